@@ -1,0 +1,15 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/** @file
+ * All of libopms, in data-flow order. */
+#ifndef OPMS_OPMS_H
+#define OPMS_OPMS_H
+
+#include <opms/version.h>
+#include <opms/status.h>
+#include <opms/types.h>
+#include <opms/lens.h>
+#include <opms/bar.h>
+#include <opms/pose.h>
+#include <opms/locate.h>
+
+#endif
