@@ -1,0 +1,36 @@
+# SPDX-License-Identifier: Apache-2.0
+# What an installed libopms consists of: libraries, headers, CMake package, pkg-config file.
+include(CMakePackageConfigHelpers)
+
+set(opms_package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/opms)
+
+install(TARGETS opms opms_static EXPORT opmsTargets
+    LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}
+    ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
+install(DIRECTORY include/opms DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}
+    FILES_MATCHING PATTERN "*.h")
+install(EXPORT opmsTargets NAMESPACE opms:: DESTINATION ${opms_package_dir})
+
+configure_package_config_file(cmake/opmsConfig.cmake.in
+    ${CMAKE_CURRENT_BINARY_DIR}/opmsConfig.cmake
+    INSTALL_DESTINATION ${opms_package_dir})
+write_basic_package_version_file(${CMAKE_CURRENT_BINARY_DIR}/opmsConfigVersion.cmake
+    COMPATIBILITY SameMajorVersion)
+install(FILES
+    ${CMAKE_CURRENT_BINARY_DIR}/opmsConfig.cmake
+    ${CMAKE_CURRENT_BINARY_DIR}/opmsConfigVersion.cmake
+    DESTINATION ${opms_package_dir})
+
+# An absolute CMAKE_INSTALL_LIBDIR (as some distributions set it) must not get the prefix again.
+foreach(dir LIBDIR INCLUDEDIR)
+    set(opms_pc_${dir} "${CMAKE_INSTALL_${dir}}")
+    cmake_path(IS_ABSOLUTE opms_pc_${dir} opms_pc_absolute)
+    if(NOT opms_pc_absolute)
+        set(opms_pc_${dir} "\${prefix}/${CMAKE_INSTALL_${dir}}")
+    endif()
+endforeach()
+# The prefix is found from where the file lies, so that `cmake --install --prefix` is right, too.
+file(RELATIVE_PATH opms_pc_up
+    ${CMAKE_INSTALL_FULL_LIBDIR}/pkgconfig ${CMAKE_INSTALL_PREFIX})
+configure_file(cmake/opms.pc.in ${CMAKE_CURRENT_BINARY_DIR}/opms.pc @ONLY)
+install(FILES ${CMAKE_CURRENT_BINARY_DIR}/opms.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
