@@ -31,7 +31,8 @@ copy_sources() {
             tolower($1) == "types:" { text = text "Types: deb\n"; next }
             tolower($1) == "components:" { text = text "Components: main\n"; next }
             tolower($1) == "suites:" {
-                for (i = 2; i <= NF; i++) if ($i == own || $i == "stable" || $i == "oldstable") wanted = 1
+                for (i = 2; i <= NF; i++)
+                    if ($i == own || $i == "stable" || $i == "oldstable") wanted = 1
                 text = text "Suites: " suite "\n"; next
             }
             { text = text $0 "\n" }

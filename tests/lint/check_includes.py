@@ -1,0 +1,170 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Check who includes whom: data flows one way, and includes follow it.
+
+    check_includes.py [ROOT]
+
+The table is docs/architecture.md's: base <- kits <- stages <- locate <- programs and bindings.
+Prints one line a violation and ends with 1 if there was any.
+"""
+import re
+import sys
+from pathlib import Path, PurePosixPath
+
+KITS = {"image", "lens"}
+STAGES = {"bar", "pose"}
+# What a folder of libopms/src may include from other folders of libopms/src.
+MAY_USE = {
+    "base": set(),
+    **{kit: {"base"} for kit in KITS},
+    **{stage: {"base"} | KITS for stage in STAGES},
+    "locate": {"base"} | KITS,
+}
+# Public headers that a folder must not see, because they belong to something after it.
+AFTER = {
+    "base": {"lens.h", "bar.h", "pose.h", "locate.h", "opms.h"},
+    "image": {"bar.h", "pose.h", "locate.h", "opms.h"},
+    "lens": {"bar.h", "pose.h", "locate.h", "opms.h"},
+    "bar": {"pose.h", "locate.h", "opms.h"},
+    "pose": {"locate.h", "opms.h"},
+    "locate": {"opms.h"},
+}
+C_HEADERS = set("""assert complex ctype errno fenv float inttypes iso646 limits locale math setjmp
+    signal stdalign stdarg stdatomic stdbool stddef stdint stdio stdlib stdnoreturn string tgmath
+    time uchar wchar wctype""".split())
+# x86 and ARM vector intrinsics belong to the compiler, not to a library.
+COMPILER_HEADERS = {"immintrin.h", "emmintrin.h", "xmmintrin.h", "arm_neon.h"}
+SUFFIXES = {".c", ".h", ".cpp", ".hpp"}
+INCLUDE = re.compile(r'^\s*#\s*include\s*(["<])([^">]+)[">]')
+
+
+def sources(root):
+    """All C and C++ files of the tree, with their path relative to it."""
+    for top in ("libopms", "host-tools", "bindings", "tests"):
+        for path in sorted((root / top).rglob("*")):
+            if path.suffix in SUFFIXES and path.is_file():
+                yield path, PurePosixPath(path.relative_to(root).as_posix())
+
+
+def includes(path):
+    for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), 1):
+        match = INCLUDE.match(line)
+        if match:
+            yield number, match.group(1) == '"', match.group(2)
+
+
+def is_standard(name):
+    if name in COMPILER_HEADERS or name.removesuffix(".h") in C_HEADERS:
+        return True
+    return re.fullmatch(r"[a-z_0-9]+", name) is not None  # C++: <vector>, <cmath>
+
+
+def resolve(root, source, name):
+    """The file of the tree that an include means, or None for one from outside."""
+    for base in (root / source.parent, root / "libopms/src", root / "libopms/include",
+                 root / "libopms/apriltag/include"):
+        path = (base / name).resolve()
+        if path.is_file() and path.is_relative_to(root):
+            return PurePosixPath(path.relative_to(root).as_posix())
+    return None
+
+
+def is_under(path, folder):
+    return path is not None and path.is_relative_to(folder)
+
+
+def check_public(name, target):
+    if is_under(target, "libopms/include") or is_standard(name):
+        return None
+    return "a public header may include public headers and the C library only"
+
+
+def check_source(source, name, target):
+    """Rules inside libopms/src."""
+    folder = source.parts[2]
+    if folder not in MAY_USE:
+        return f"src/{folder} is not in this check's table"
+    if is_under(target, "libopms/include"):
+        if target.name in AFTER[folder]:
+            return f"{folder} comes before what opms/{target.name} declares"
+        return None
+    if is_under(target, "libopms/src"):
+        other = target.parts[2]
+        if other != folder and other not in MAY_USE[folder]:
+            return f"{folder} must not see the inside of {other}"
+        return None
+    if target is None and name.startswith("Eigen/"):
+        return "Eigen is for the C++ files" if source.suffix == ".c" else None
+    if target is None and is_standard(name):
+        return None
+    return "libopms depends on nothing but the C and C++ run time and Eigen's headers"
+
+
+def check_apriltag(name, target):
+    if is_under(target, "libopms/src"):
+        return "opms::apriltag uses the public headers only"
+    if is_under(target, "libopms/apriltag") or is_under(target, "libopms/include"):
+        return None
+    if target is None and (is_standard(name) or re.match(r"(apriltag|tag\w+|common)\b", name)):
+        return None
+    return "opms::apriltag depends on libapriltag and the run time only"
+
+
+def check_shell(source, name, target):
+    """Rules of host-tools and bindings: people-facing, outside of the library."""
+    if is_under(target, "libopms/src"):
+        return "only public headers opms/*.h are seen from outside libopms"
+    if is_under(source, "host-tools/simulate") and (name.startswith("opms/")
+                                                    or is_under(target, "libopms")):
+        return "the renderer judges libopms, so it must share nothing with it"
+    if target is None and name.startswith("opms/"):
+        return "no such public header"
+    return None
+
+
+def check(root, source, name):
+    """The violation of one include, or None."""
+    target = resolve(root, source, name)
+    if is_under(target, "tests") and not is_under(source, "tests"):
+        return "nothing includes tests"
+    if re.match(r"(apriltag/)?(apriltag|tag\w+)\.h$", name) and not (
+            is_under(source, "libopms/apriltag") or is_under(source, "tests")):
+        return "only opms::apriltag uses libapriltag"
+    if is_under(source, "libopms/include"):
+        return check_public(name, target)
+    if is_under(source, "libopms/src"):
+        return check_source(source, name, target)
+    if is_under(source, "libopms/apriltag"):
+        return check_apriltag(name, target)
+    if is_under(source, "host-tools") or is_under(source, "bindings"):
+        return check_shell(source, name, target)
+    return None
+
+
+def check_links(root):
+    """The renderer must not link libopms, either."""
+    for path in sorted((root / "host-tools/simulate").rglob("CMakeLists.txt")):
+        for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), 1):
+            if re.search(r"opms::\w+|\bopms_(camera_file|static|internal)\b", line.split("#")[0]):
+                relative = path.relative_to(root).as_posix()
+                yield f"{relative}:{number}: the renderer must not link libopms"
+
+
+def violations(root):
+    root = root.resolve()
+    for path, source in sources(root):
+        for number, _, name in includes(path):
+            problem = check(root, source, name)
+            if problem:
+                yield f"{source}:{number}: {name}: {problem}"
+    yield from check_links(root)
+
+
+def main(arguments):
+    root = Path(arguments[0]) if arguments else Path(__file__).resolve().parents[2]
+    found = list(violations(root))
+    print("\n".join(found) if found else "includes follow the table")
+    return 1 if found else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
