@@ -1,0 +1,23 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/** @file
+ * The subcommands of `opms`. Each adds itself to the program and sets @p exit_code when it runs. */
+#ifndef OPMS_CLI_COMMANDS_HPP
+#define OPMS_CLI_COMMANDS_HPP
+
+namespace CLI {
+class App;
+}
+
+/** What the program's exit codes mean; docs/locate.md tells users. */
+enum ExitCode {
+    EXIT_CODE_OK = 0,
+    EXIT_CODE_RESULT = 1, /**< a result failed the limit that was asked for */
+    EXIT_CODE_USAGE = 2,
+    EXIT_CODE_INPUT = 4   /**< a file could not be read, or results not written */
+};
+
+void add_cmd_locate(CLI::App &app, int &exit_code);
+void add_cmd_print(CLI::App &app, int &exit_code);
+void add_cmd_simulate(CLI::App &app, int &exit_code);
+
+#endif

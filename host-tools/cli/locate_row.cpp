@@ -1,0 +1,172 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "locate_row.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdarg>
+#include <cstdio>
+
+#include <nlohmann/json.hpp>
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr double DEG = 180 / 3.14159265358979323846;
+
+Json json_matrix(const double *values, int rows, int cols)
+{
+    Json matrix = Json::array();
+    for (int r = 0; r < rows; r++) {
+        matrix.push_back(Json(std::vector<double>(values + r * cols, values + (r + 1) * cols)));
+    }
+    return matrix;
+}
+
+Json json_vector(const double *values, int count)
+{
+    return Json(std::vector<double>(values, values + count));
+}
+
+Json json_squares(const std::vector<opms_square_t> &squares)
+{
+    Json list = Json::array();
+    for (const opms_square_t &square : squares) {
+        list.push_back({{"index", square.index},
+                        {"corners_px", json_matrix(&square.corners_px[0][0], 4, 2)}});
+    }
+    return list;
+}
+
+Json json_includes(uint32_t bits)
+{
+    Json names = Json::array();
+    if (bits & OPMS_COVARIANCE_IMAGE) {
+        names.push_back("image");
+    }
+    if (bits & OPMS_COVARIANCE_INTRINSICS) {
+        names.push_back("intrinsics");
+    }
+    if (bits & OPMS_COVARIANCE_DETECTOR_CAMERA) {
+        names.push_back("detector_camera");
+    }
+    return names;
+}
+
+void add_pose(Json &row, const opms_location_t &location)
+{
+    const opms_pose_t &bar_camera = location.pose.bar_camera;
+    row["R_bar_camera"] = json_matrix(bar_camera.transform.R, 3, 3);
+    row["t_bar_camera_m"] = json_vector(bar_camera.transform.t_m, 3);
+    row["covariance"] = json_matrix(bar_camera.covariance, 6, 6);
+    if (location.has_ground_detector) {
+        const opms_pose_t &detector = location.ground_detector;
+        row["R_ground_detector"] = json_matrix(detector.transform.R, 3, 3);
+        row["t_ground_detector_m"] = json_vector(detector.transform.t_m, 3);
+        row["covariance_ground_detector"] = json_matrix(detector.covariance, 6, 6);
+        row["covariance_includes"] = json_includes(location.covariance_includes);
+    }
+    row["edge_shift_px"] = location.pose.edge_shift_px;
+    row["residual_px"] = location.pose.residual_px;
+}
+
+/** Whole microseconds, rounded so that the total stays at least the sum of its parts. */
+Json json_times(const LocateTimes &time)
+{
+    return {{"detect", static_cast<long long>(std::floor(time.detect_us))},
+            {"pose", static_cast<long long>(std::floor(time.pose_us))},
+            {"total", static_cast<long long>(std::ceil(time.total_us))}};
+}
+
+__attribute__((format(printf, 1, 2))) std::string text(const char *format, ...)
+{
+    char buffer[256];
+    va_list arguments;
+    va_start(arguments, format);
+    std::vsnprintf(buffer, sizeof buffer, format, arguments);
+    va_end(arguments);
+    return buffer;
+}
+
+/** Characters, not bytes, so that columns stay straight with names in any language. */
+std::size_t shown_width(const std::string &name)
+{
+    return static_cast<std::size_t>(std::count_if(name.begin(), name.end(), [](char c) {
+        return (static_cast<unsigned char>(c) & 0xc0) != 0x80;
+    }));
+}
+
+std::string padded(const std::string &name, std::size_t width)
+{
+    const std::size_t shown = shown_width(name);
+    return shown < width ? name + std::string(width - shown, ' ') : name;
+}
+
+}  // namespace
+
+PoseFigures pose_figures(const opms_location_t &location)
+{
+    PoseFigures figures;
+    figures.of_detector = location.has_ground_detector != 0;
+    const opms_pose_t &pose =
+        figures.of_detector ? location.ground_detector : location.pose.bar_camera;
+    const double *R = pose.transform.R;
+    figures.angles_deg[0] = DEG * std::atan2(R[3], R[0]);
+    figures.angles_deg[1] = DEG * std::atan2(-R[6], std::hypot(R[7], R[8]));
+    figures.angles_deg[2] = DEG * std::atan2(R[7], R[8]);
+    double variance = 0;
+    for (int i = 0; i < 3; i++) {
+        figures.position_mm[i] = 1e3 * pose.transform.t_m[i];
+        variance += pose.covariance[(3 + i) * 7];
+        figures.sigma_deg = std::max(figures.sigma_deg, DEG * std::sqrt(pose.covariance[i * 7]));
+    }
+    figures.sigma_mm = 1e3 * std::sqrt(variance);
+    return figures;
+}
+
+std::string locate_json_row(const LocateResult &result)
+{
+    Json row;
+    row["schema"] = "opms.locate/1";
+    row["image"] = result.image;
+    row["state"] = result.state_name();
+    if (!result.reason.empty()) {
+        row["reason"] = result.reason;
+    } else {
+        /* Squares are given with their labels or not at all. */
+        const bool labelled = result.location.bar.state == OPMS_BAR_LOCATED;
+        row["squares"] = labelled ? json_squares(result.squares) : Json::array();
+        if (result.located()) {
+            add_pose(row, result.location);
+        }
+        row["time_us"] = json_times(result.time);
+    }
+    /* A file's name may be any bytes. */
+    return row.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+std::string locate_table_heading(bool of_detector, std::size_t name_width)
+{
+    const std::string what = of_detector ? "detector in ground" : "camera in bar frame";
+    return padded("", name_width) + "             " + what + "\n" +
+           padded("picture", name_width) +
+           "  state         X mm     Y mm     Z mm   sigma  psi deg  phi deg  theta deg   sigma"
+           "  squares      ms";
+}
+
+std::string locate_table_line(const LocateResult &result, std::size_t name_width)
+{
+    const std::string start = padded(result.image, name_width) + text("  %-9s", result.state_name());
+    if (!result.reason.empty()) {
+        return start + "  " + result.reason;
+    }
+    const double ms = result.time.total_us * 1e-3;
+    if (!result.located()) {
+        return start + text("%*s%8.3f", 77, "", ms);
+    }
+    const PoseFigures f = pose_figures(result.location);
+    return start + text(" %8.2f %8.2f %8.2f  %6.3f %8.3f %8.3f   %8.3f  %6.4f %8zu%8.3f",
+                        f.position_mm[0], f.position_mm[1], f.position_mm[2], f.sigma_mm,
+                        f.angles_deg[0], f.angles_deg[1], f.angles_deg[2], f.sigma_deg,
+                        result.squares.size(), ms);
+}
