@@ -51,7 +51,7 @@ typedef struct opms_bar_summary {
     opms_bar_state_t state;
     uint32_t square_count;
     uint32_t edge_count;
-    uint32_t reserved;
+    uint32_t followed;    /**< the bar was found where the hint said */
     double label_margin;  /**< log-likelihood ratio of the labels to the next best; 0 if none */
     double blur_px[2];    /**< Gaussian edge blur of the sides along X and of those along Y; 0 unknown */
     double noise;         /**< standard deviation of the grey levels about the edge model */

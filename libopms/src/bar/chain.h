@@ -1,0 +1,34 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/** @file
+ * Squares next to squares: from one quadrilateral to a row of the bar. */
+#ifndef OPMS_BAR_CHAIN_H
+#define OPMS_BAR_CHAIN_H
+
+#include <opms/types.h>
+
+#include "bar/plane_map.h"
+#include "bar/quad.h"
+
+#define CHAIN_MAX 33
+
+/** Squares of one row, in rising order along +Y of a bar frame whose origin is not yet known. */
+typedef struct chain {
+    int count;
+    struct chain_square {
+        int place;         /**< counted from the seed, gaps included */
+        point_t corner[4]; /**< (-X,-Y), (+X,-Y), (+X,+Y), (-X,+Y) */
+    } square[CHAIN_MAX];
+} chain_t;
+
+/** Grow a row from a seed along both of its axes and keep the longer one.
+ *
+ * @param contrast  Least grey levels from black to white.
+ * @return The number of squares in the row, 1 where nothing stands beside the seed. */
+int chain_grow(const view_t *view, const quad_t *seed, float contrast, const quad_limits_t *limits,
+               point_t *points, chain_t *chain);
+
+/** Fit the row's map to rays, places times the pitch as Y; squares that do not fit are dropped.
+ * 1 if at least two squares agree. */
+int chain_fit(chain_t *chain, const opms_lens_t *lens, double ray_limit, plane_map_t *map);
+
+#endif

@@ -1,0 +1,317 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "bar/edge_fit.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "bar/bar_code.h"
+#include "bar/edge_profile.h"
+
+/* The pixels next to a side are taken in lines across it: rows of the picture where the side is
+ * nearer to upright, columns otherwise. In each line the signed distance of a pixel from the
+ * predicted edge is linear, so no pixel is ever interpolated. Several lines make a stretch, in
+ * which black level, contrast and a small displacement are solved for by linear least squares. */
+
+#define LINES_A_STRETCH 5
+#define PIXELS_LEAST 10
+
+/** Where a side is expected in the picture: a parabola through three projected points. */
+typedef struct side_curve {
+    int along_axis;        /* 0: lines are columns (x steps along the side), 1: lines are rows */
+    double p0[2], p1[2], p2[2]; /* px(tau) = p0 + tau p1 + tau^2 p2, tau = -1..1 over 20 mm */
+    double normal[2];      /* outward, at the middle */
+    double cosine;         /* of the angle between the normal and the direction across the lines */
+    double sign;           /* of that direction, +1 when the coordinate grows outwards */
+    double px_per_mm;      /* across the side, outwards */
+    double half_px;        /* half the side's length */
+} side_curve_t;
+
+static const double side_outward[4][2] = {{-1, 0}, {0, -1}, {1, 0}, {0, 1}};
+
+static void side_point(int side, double tau, double square_y, double *x_mm, double *y_mm)
+{
+    const double *out = side_outward[side];
+    *x_mm = BAR_HALF_SQUARE_MM * (out[0] + (out[0] == 0 ? tau : 0));
+    *y_mm = square_y + BAR_HALF_SQUARE_MM * (out[1] + (out[1] == 0 ? tau : 0));
+}
+
+static int side_predict(const edge_scene_t *scene, int square, int side, side_curve_t *curve)
+{
+    const double square_y = BAR_PITCH_MM * (square - OPMS_BAR_ORIGIN);
+    double end[3][2], jac[4];
+    for (int i = 0; i < 3; ++i) {
+        double x, y;
+        side_point(side, i - 1.0, square_y, &x, &y);
+        if (!plane_map_project(&scene->map, scene->lens, scene->ray_limit, x, y, end[i],
+                               i == 1 ? jac : NULL)) {
+            return 0;
+        }
+    }
+    for (int axis = 0; axis < 2; ++axis) {
+        curve->p0[axis] = end[1][axis];
+        curve->p1[axis] = 0.5 * (end[2][axis] - end[0][axis]);
+        curve->p2[axis] = 0.5 * (end[2][axis] + end[0][axis]) - end[1][axis];
+    }
+    curve->half_px = hypot(curve->p1[0], curve->p1[1]);
+    if (!(curve->half_px > 1.5 && curve->half_px < 4000)) {
+        return 0;
+    }
+    const double *out = side_outward[side];
+    const double out_px[2] = {jac[0] * out[0] + jac[1] * out[1], jac[2] * out[0] + jac[3] * out[1]};
+    double nx = -curve->p1[1] / curve->half_px, ny = curve->p1[0] / curve->half_px;
+    curve->px_per_mm = nx * out_px[0] + ny * out_px[1];
+    if (curve->px_per_mm < 0) {
+        nx = -nx;
+        ny = -ny;
+        curve->px_per_mm = -curve->px_per_mm;
+    }
+    curve->normal[0] = nx;
+    curve->normal[1] = ny;
+    curve->along_axis = fabs(curve->p1[0]) >= fabs(curve->p1[1]) ? 0 : 1;
+    const double across = curve->along_axis == 0 ? ny : nx;
+    curve->sign = across < 0 ? -1 : 1;
+    curve->cosine = fabs(across);
+    return curve->px_per_mm > 0.05;
+}
+
+/** Sums of the least squares of one stretch: regressors 1, w (white coverage), g (its slope along
+ * the normal), h (its derivative by the blur). */
+typedef struct fit_sums {
+    float n, w, g, h, i;
+    float ww, wg, gg, hw, hg, hh;
+    float iw, ig, ih, ii;
+    float along;
+    uint32_t saturated;
+} fit_sums_t;
+
+/** One line of pixels across a side. */
+typedef struct fit_line {
+    float s_first, s_step; /* distance from the expected edge, outward: of the first pixel, and step */
+    int count;
+    float corner;     /* part of the side that is there, 1 away from the corners */
+    float cells;      /* part of the code cells beyond the gap that is black here */
+    float cell_near, cell_far; /* distance of the black cells' two borders, px */
+} fit_line_t;
+
+static void add_line(fit_sums_t *sums, const fit_line_t *line, const float *grey, float blur,
+                     float saturation)
+{
+    const float per_blur = 1.f / blur;
+    for (int k = 0; k < line->count; ++k) {
+        const float s = line->s_first + (float)k * line->s_step;
+        const edge_profile_t edge = edge_profile(s * per_blur);
+        float w = 1.f - (1.f - edge.step) * line->corner;
+        const float g = edge.pulse * per_blur * line->corner;
+        const float h = -s * per_blur * g;
+        if (line->cells > 0.f) {
+            w -= line->cells * (edge_profile((s - line->cell_near) * per_blur).step -
+                                edge_profile((s - line->cell_far) * per_blur).step);
+        }
+        const float i = grey[k];
+        sums->saturated += i >= saturation;
+        sums->n += 1.f;
+        sums->w += w;
+        sums->g += g;
+        sums->h += h;
+        sums->i += i;
+        sums->ww += w * w;
+        sums->wg += w * g;
+        sums->gg += g * g;
+        sums->hw += h * w;
+        sums->hg += h * g;
+        sums->hh += h * h;
+        sums->iw += i * w;
+        sums->ig += i * g;
+        sums->ih += i * h;
+        sums->ii += i * i;
+    }
+}
+
+/** Solve a stretch; 0 where it has no edge that can be placed. */
+static int solve_stretch(const fit_sums_t *f, stretch_t *out)
+{
+    if (f->n < PIXELS_LEAST) {
+        return 0;
+    }
+    const double n = (double)f->n;
+    const double ww = (double)f->ww - (double)f->w * (double)f->w / n;
+    const double wg = (double)f->wg - (double)f->w * (double)f->g / n;
+    const double gg = (double)f->gg - (double)f->g * (double)f->g / n;
+    const double iw = (double)f->iw - (double)f->i * (double)f->w / n;
+    const double ig = (double)f->ig - (double)f->i * (double)f->g / n;
+    const double ii = (double)f->ii - (double)f->i * (double)f->i / n;
+    const double det = ww * gg - wg * wg;
+    if (!(det > 1e-3 * ww * gg)) {
+        return 0;
+    }
+    const double contrast = (gg * iw - wg * ig) / det;
+    const double slope = (ww * ig - wg * iw) / det;
+    if (!(contrast > 0)) {
+        return 0;
+    }
+    const double rss = ii - contrast * iw - slope * ig;
+    out->pixels = (uint16_t)(f->n < 65535.f ? f->n : 65535.f);
+    out->saturated = (uint16_t)(f->saturated < 65535u ? f->saturated : 65535u);
+    out->contrast = (float)contrast;
+    out->black = (float)(((double)f->i - contrast * (double)f->w - slope * (double)f->g) / n);
+    out->offset_px = (float)(-slope / contrast);
+    out->sigma_unit = (float)(sqrt(ww / det) / contrast);
+    out->variance = (float)((rss > 0 ? rss : 0) / (n - 3));
+    /* What is left of h when the other regressors are taken off, against the residual. */
+    const double hw = (double)f->hw - (double)f->h * (double)f->w / n;
+    const double hg = (double)f->hg - (double)f->h * (double)f->g / n;
+    const double hh = (double)f->hh - (double)f->h * (double)f->h / n;
+    const double ih = (double)f->ih - (double)f->i * (double)f->h / n;
+    const double on_w = (gg * hw - wg * hg) / det, on_g = (ww * hg - wg * hw) / det;
+    const double left = hh - on_w * hw - on_g * hg;
+    out->blur_weight = (float)(contrast * contrast * (left > 0 ? left : 0));
+    out->blur_slope = (float)(contrast * (ih - on_w * iw - on_g * ig));
+    return 1;
+}
+
+/** How much of the code cells beyond a side (along X, at x_mm) is black, under the blur. */
+static float cells_at(unsigned mask, double x_mm, double px_per_mm_along, float blur)
+{
+    float sum = 0;
+    for (int i = 0; i < BAR_CELLS;) {
+        if (!(mask >> i & 1u)) {
+            ++i;
+            continue;
+        }
+        int j = i;
+        while (j < BAR_CELLS && (mask >> j & 1u)) {
+            ++j;
+        }
+        const float from = (float)((x_mm - (BAR_CELL_X_MM * (i - 3))) * px_per_mm_along) / blur;
+        const float to = (float)((x_mm - (BAR_CELL_X_MM * (j - 3))) * px_per_mm_along) / blur;
+        sum += edge_profile(from).step - edge_profile(to).step;
+        i = j;
+    }
+    return sum;
+}
+
+typedef struct side_window {
+    double inside, outside; /* px from the edge */
+    double trim;            /* of tau at each end */
+} side_window_t;
+
+static side_window_t window_of(const side_curve_t *curve, int side, float blur)
+{
+    side_window_t window;
+    const double wide = 2.6 * (double)blur + 0.5;
+    window.inside = fmin(wide, 13.0 * curve->px_per_mm);
+    if (side == 1 || side == 3) {
+        /* Up to the middle of the cells, which are modelled. */
+        window.outside = fmin(wide, (BAR_CELL_GAP_MM + 4.0) * curve->px_per_mm);
+    } else {
+        /* Beyond the bar lies the ground, of unknown brightness: stay off its blur. */
+        window.outside = fmin(wide, fmax(5.0 * curve->px_per_mm - 1.3 * (double)blur,
+                                         2.5 * curve->px_per_mm));
+    }
+    window.trim = fmin(0.5, (0.9 * (double)blur + 0.3) / curve->half_px);
+    return window;
+}
+
+static int load_line(const view_t *view, int along_axis, int main, int first, int count, float *grey)
+{
+    for (int k = 0; k < count; ++k) {
+        grey[k] = (float)(along_axis == 0 ? view_at(view, main, first + k) : view_at(view, first + k, main));
+    }
+    return count;
+}
+
+#define LINE_PIXELS_MAX 64
+
+static int fit_side(const edge_scene_t *scene, int square, int side, stretch_t *stretches)
+{
+    side_curve_t curve;
+    if (!side_predict(scene, square, side, &curve)) {
+        return 0;
+    }
+    const view_t *view = scene->view;
+    const int family = side == 1 || side == 3;
+    const float blur = (float)scene->blur_px[family];
+    const side_window_t window = window_of(&curve, side, blur);
+    const int m = curve.along_axis, c = 1 - m;
+    const int main_size = m == 0 ? view->width : view->height;
+    const int cross_size = c == 0 ? view->width : view->height;
+    const double reach = 1.0 - window.trim;
+    const double a = curve.p0[m] - reach * curve.p1[m] + reach * reach * curve.p2[m];
+    const double b = curve.p0[m] + reach * curve.p1[m] + reach * reach * curve.p2[m];
+    const int from = (int)fmax(ceil(fmin(a, b)), 0), to = (int)fmin(floor(fmax(a, b)), main_size - 1);
+    const int lines = to - from + 1;
+    if (lines < 2) {
+        return 0;
+    }
+    int parts = (lines + LINES_A_STRETCH / 2) / LINES_A_STRETCH;
+    parts = parts < 1 ? 1 : parts > OPMS_BAR_EDGES_PER_SIDE ? OPMS_BAR_EDGES_PER_SIDE : parts;
+
+    const unsigned cells = family ? bar_gap_cells(square, side == 3 ? 1 : -1) : 0;
+    const float shift = (float)scene->shift_px;
+    const float saturation = (float)view->white_level - 0.5f;
+    int found = 0;
+    for (int part = 0; part < parts; ++part) {
+        fit_sums_t sums;
+        memset(&sums, 0, sizeof sums);
+        const int part_from = from + lines * part / parts, part_to = from + lines * (part + 1) / parts;
+        double along = 0;
+        int used = 0;
+        for (int main = part_from; main < part_to; ++main) {
+            double tau = (main - curve.p0[m]) / curve.p1[m];
+            tau = (main - curve.p0[m] - curve.p2[m] * tau * tau) / curve.p1[m];
+            const double edge = curve.p0[c] + tau * (curve.p1[c] + tau * curve.p2[c]);
+            /* Grey line from the inside of the window to its outside, whichever way that runs. */
+            const double span = (window.inside + window.outside) / curve.cosine;
+            const double start = curve.sign > 0
+                ? edge - (window.inside - (double)shift) / curve.cosine
+                : edge - (window.outside + (double)shift) / curve.cosine;
+            const int first = (int)ceil(start), last = (int)floor(start + span);
+            if (first < 1 || last > cross_size - 2 || last - first >= LINE_PIXELS_MAX) {
+                continue;
+            }
+            fit_line_t line;
+            line.count = last - first + 1;
+            line.s_step = (float)(curve.sign * curve.cosine);
+            line.s_first = (float)(curve.sign * curve.cosine * (first - edge)) - shift;
+            const float ends[2] = {(float)((1 - tau) * curve.half_px + (double)shift),
+                                   (float)((1 + tau) * curve.half_px + (double)shift)};
+            line.corner = edge_profile(ends[0] / blur).step * edge_profile(ends[1] / blur).step;
+            line.cells = 0;
+            if (cells) {
+                const double x_mm = BAR_HALF_SQUARE_MM * tau;
+                line.cells = cells_at(cells, x_mm, curve.half_px / BAR_HALF_SQUARE_MM, blur);
+                line.cell_near = (float)(BAR_CELL_GAP_MM * curve.px_per_mm) - 2.f * shift;
+                line.cell_far = (float)((BAR_CELL_GAP_MM + BAR_CELL_Y_MM) * curve.px_per_mm);
+            }
+            float grey[LINE_PIXELS_MAX];
+            load_line(view, curve.along_axis, main, first, line.count, grey);
+            add_line(&sums, &line, grey, blur, saturation);
+            along += tau;
+            ++used;
+        }
+        stretch_t *out = &stretches[found];
+        if (used == 0 || !solve_stretch(&sums, out)) {
+            continue;
+        }
+        const double tau = along / used;
+        out->square = (int16_t)square;
+        out->side = (int16_t)side;
+        out->along_mm = (float)(BAR_HALF_SQUARE_MM * tau);
+        for (int axis = 0; axis < 2; ++axis) {
+            out->predicted[axis] = (float)(curve.p0[axis] + tau * (curve.p1[axis] + tau * curve.p2[axis]));
+            out->normal[axis] = (float)curve.normal[axis];
+        }
+        out->offset_px += shift;
+        ++found;
+    }
+    return found;
+}
+
+int edge_fit_square(const edge_scene_t *scene, int square, stretch_t *stretches)
+{
+    int count = 0;
+    for (int side = 0; side < 4; ++side) {
+        count += fit_side(scene, square, side, stretches + count);
+    }
+    return count;
+}

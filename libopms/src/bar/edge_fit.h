@@ -1,0 +1,47 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/** @file
+ * Where the sides of a square lie in the picture, to the limit that the noise sets. */
+#ifndef OPMS_BAR_EDGE_FIT_H
+#define OPMS_BAR_EDGE_FIT_H
+
+#include <opms/bar.h>
+
+#include "bar/plane_map.h"
+#include "image/view.h"
+
+/** What is known of the picture when the sides are measured. */
+typedef struct edge_scene {
+    const view_t *view;
+    const opms_lens_t *lens;
+    double ray_limit;
+    plane_map_t map;
+    double shift_px; /**< common outward shift of the sides */
+    double blur_px[2]; /**< of the sides along Y (X = +-10 mm), and of those along X */
+} edge_scene_t;
+
+/** One stretch of a side, as fitted. */
+typedef struct stretch {
+    int16_t square, side;
+    uint16_t pixels;
+    uint16_t saturated;   /**< white pixels at the white level */
+    float along_mm;       /**< position of its middle along the side */
+    float normal[2];      /**< outward, unit */
+    float predicted[2];   /**< unshifted edge of the map at along_mm, px */
+    float offset_px;      /**< measured edge from `predicted`, outward */
+    float sigma_unit;     /**< standard deviation of the offset for noise of one grey level */
+    float black, contrast; /**< grey levels */
+    float variance;       /**< of the grey levels about the model */
+    float blur_slope, blur_weight; /**< information on the blur: Newton step = slope / weight */
+} stretch_t;
+
+/** Measure the visible stretches of one square's four sides.
+ *
+ * Model: grey = black + contrast (white coverage), the coverage that of a straight edge under a
+ * Gaussian blur, with the square's corners and the black code cells next to the side in it;
+ * black, contrast and position are free for each stretch. Raw pixels, no resampling.
+ *
+ * @param stretches  Room for 4 OPMS_BAR_EDGES_PER_SIDE.
+ * @return The number of stretches that could be fitted. */
+int edge_fit_square(const edge_scene_t *scene, int square, stretch_t *stretches);
+
+#endif

@@ -1,0 +1,269 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "bar/map_refine.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "bar/bar_code.h"
+#include "bar/solve_spd.h"
+
+/* Passes of: measure the stretches where the map expects them, throw out those that cannot be a
+ * side of this bar, fit map and common shift to the rest (Tukey's weights), take over the blur that
+ * the profiles ask for. The range of squares grows with the range that has been confirmed, so that
+ * the map is never asked for more than it knows. */
+
+#define UNKNOWNS 9
+#define PASSES_MOST 7
+#define TUKEY 4.685f
+#define SETTLED_PX 0.06f
+#define GOOD_LEAST 12
+#define BLUR_LEAST 0.35
+#define BLUR_MOST 4.0
+
+static int ascending(const void *a, const void *b)
+{
+    const float x = *(const float *)a, y = *(const float *)b;
+    return (x > y) - (x < y);
+}
+
+static float median(float *values, int count)
+{
+    qsort(values, (size_t)count, sizeof values[0], ascending);
+    return values[count / 2];
+}
+
+static void measure(const edge_scene_t *scene, int first, int last, bar_fit_t *fit)
+{
+    fit->count = 0;
+    for (int k = first; k <= last; ++k) {
+        fit->count += edge_fit_square(scene, k, &fit->stretch[fit->count]);
+    }
+}
+
+/** Mark the stretches that look like this bar's sides; returns how many. */
+static int select_good(bar_fit_t *fit, float contrast_least, float offset_most, float shift)
+{
+    static const float variance_most = 9.f; /* times the median: grass, a cell that was not foreseen */
+    float *scratch = fit->residual;
+    int n = 0;
+    for (int i = 0; i < fit->count; ++i) {
+        fit->good[i] = fit->stretch[i].contrast >= contrast_least;
+        if (fit->good[i]) {
+            scratch[n++] = fit->stretch[i].contrast;
+        }
+    }
+    if (n < GOOD_LEAST) {
+        return 0;
+    }
+    fit->contrast = median(scratch, n);
+    n = 0;
+    for (int i = 0; i < fit->count; ++i) {
+        fit->good[i] = fit->good[i] && fit->stretch[i].contrast > 0.3f * fit->contrast &&
+                       fit->stretch[i].contrast < 3.f * fit->contrast &&
+                       fabsf(fit->stretch[i].offset_px - shift) < offset_most;
+        if (fit->good[i]) {
+            scratch[n++] = fit->stretch[i].variance;
+        }
+    }
+    if (n < GOOD_LEAST) {
+        return 0;
+    }
+    const float variance = median(scratch, n) + 0.08f; /* quantisation at the least */
+    fit->noise = sqrtf(variance);
+    n = 0;
+    for (int i = 0; i < fit->count; ++i) {
+        const stretch_t *s = &fit->stretch[i];
+        if (!fit->good[i] || s->variance > variance_most * variance) {
+            fit->good[i] = 0;
+            continue;
+        }
+        /* A stretch's own variance, drawn towards the picture's by as much weight again. */
+        const float own = (float)s->pixels;
+        const float mixed = (own * s->variance + 20.f * variance) / (own + 20.f);
+        fit->sigma[i] = s->sigma_unit * sqrtf(mixed > variance ? mixed : variance);
+        ++n;
+    }
+    return n;
+}
+
+static void linearise(const edge_scene_t *scene, bar_fit_t *fit)
+{
+    for (int i = 0; i < fit->count; ++i) {
+        if (!fit->good[i]) {
+            continue;
+        }
+        const stretch_t *s = &fit->stretch[i];
+        const double square_y = BAR_PITCH_MM * (s->square - OPMS_BAR_ORIGIN);
+        const int along_y = s->side == 0 || s->side == 2;
+        const double at = (s->side < 2 ? -BAR_HALF_SQUARE_MM : BAR_HALF_SQUARE_MM);
+        double px[2], grad[16];
+        plane_map_gradient(&scene->map, scene->lens, along_y ? at : (double)s->along_mm,
+                           square_y + (along_y ? (double)s->along_mm : at), px, grad);
+        for (int k = 0; k < 8; ++k) {
+            fit->row[i][k] = (float)((double)s->normal[0] * grad[k] + (double)s->normal[1] * grad[8 + k]);
+        }
+        fit->row[i][8] = 1.f;
+    }
+}
+
+/** Residuals of the good stretches for a change of the map; returns their robust scale in sigmas. */
+static float residuals(bar_fit_t *fit, const double change[UNKNOWNS], float *scratch)
+{
+    int n = 0;
+    for (int i = 0; i < fit->count; ++i) {
+        if (!fit->good[i]) {
+            continue;
+        }
+        double model = 0;
+        for (int k = 0; k < UNKNOWNS; ++k) {
+            model += (double)fit->row[i][k] * change[k];
+        }
+        fit->residual[i] = fit->stretch[i].offset_px - (float)model;
+        scratch[n++] = fabsf(fit->residual[i]) / fit->sigma[i];
+    }
+    const float scale = 1.4826f * median(scratch, n);
+    return scale < 1.f ? 1.f : scale;
+}
+
+/** Robust linear fit of map and shift; 0 when singular. */
+static int fit_map(bar_fit_t *fit, double change[UNKNOWNS], float *scale)
+{
+    float scratch[OPMS_BAR_EDGES_MAX];
+    *scale = residuals(fit, change, scratch) * 3.f; /* wide at first */
+    for (int round = 0; round < 4; ++round) {
+        double normal[UNKNOWNS * UNKNOWNS] = {0}, rhs[UNKNOWNS] = {0};
+        for (int i = 0; i < fit->count; ++i) {
+            if (!fit->good[i]) {
+                continue;
+            }
+            const float z = fit->residual[i] / (fit->sigma[i] * *scale * TUKEY);
+            if (z * z >= 1.f) {
+                continue;
+            }
+            const float w = (1.f - z * z) * (1.f - z * z) / (fit->sigma[i] * fit->sigma[i]);
+            for (int j = 0; j < UNKNOWNS; ++j) {
+                const double wr = (double)(w * fit->row[i][j]);
+                for (int k = 0; k <= j; ++k) {
+                    normal[UNKNOWNS * j + k] += wr * (double)fit->row[i][k];
+                }
+                rhs[j] += wr * (double)fit->stretch[i].offset_px;
+            }
+        }
+        for (int j = 0; j < UNKNOWNS; ++j) {
+            normal[UNKNOWNS * j + j] *= 1 + 1e-9;
+        }
+        if (!spd_factor(normal, UNKNOWNS)) {
+            return 0;
+        }
+        spd_solve(normal, UNKNOWNS, rhs);
+        memcpy(change, rhs, sizeof rhs);
+        *scale = residuals(fit, change, scratch);
+    }
+    return 1;
+}
+
+static void update_blur(edge_scene_t *scene, const bar_fit_t *fit)
+{
+    double slope[2] = {0, 0}, weight[2] = {0, 0};
+    for (int i = 0; i < fit->count; ++i) {
+        if (fit->good[i]) {
+            const int family = fit->stretch[i].side & 1;
+            slope[family] += (double)fit->stretch[i].blur_slope;
+            weight[family] += (double)fit->stretch[i].blur_weight;
+        }
+    }
+    for (int family = 0; family < 2; ++family) {
+        if (weight[family] > 0) {
+            const double step = slope[family] / weight[family];
+            double blur = scene->blur_px[family] + fmax(-0.4, fmin(0.6, step));
+            blur = blur < BLUR_LEAST ? BLUR_LEAST : blur > BLUR_MOST ? BLUR_MOST : blur;
+            scene->blur_px[family] = blur;
+        }
+    }
+}
+
+/** Drop what lies far from the fitted map, and find the range of squares that is confirmed. */
+static int confirm(bar_fit_t *fit, float scale, int *first, int *last)
+{
+    int seen[OPMS_BAR_SQUARES] = {0}, n = 0;
+    for (int i = 0; i < fit->count; ++i) {
+        if (fit->good[i] && fabsf(fit->residual[i]) > TUKEY * scale * fit->sigma[i]) {
+            fit->good[i] = 0;
+        }
+        if (fit->good[i]) {
+            seen[fit->stretch[i].square] |= 1 << fit->stretch[i].side;
+            ++n;
+        }
+    }
+    int low = OPMS_BAR_SQUARES, high = -1;
+    for (int k = 0; k < OPMS_BAR_SQUARES; ++k) {
+        /* At least two sides, one of them across the bar. */
+        if ((seen[k] & 5) && (seen[k] & 10)) {
+            low = low < k ? low : k;
+            high = k;
+        }
+    }
+    *first = low;
+    *last = high;
+    return n;
+}
+
+static float largest_change(const bar_fit_t *fit, double shift)
+{
+    float most = 0;
+    for (int i = 0; i < fit->count; ++i) {
+        if (fit->good[i]) {
+            const float moved = fabsf(fit->stretch[i].offset_px - fit->residual[i] - (float)shift);
+            most = moved > most ? moved : most;
+        }
+    }
+    return most;
+}
+
+static int clamp_index(int k)
+{
+    return k < 0 ? 0 : k >= OPMS_BAR_SQUARES ? OPMS_BAR_SQUARES - 1 : k;
+}
+
+int map_refine(edge_scene_t *scene, int first, int last, float contrast, bar_fit_t *fit)
+{
+    int from = clamp_index(first), to = clamp_index(last);
+    int stable = 0;
+    for (int pass = 0; pass < PASSES_MOST; ++pass) {
+        measure(scene, from, to, fit);
+        const float reach = pass == 0 ? 3.f : 2.f;
+        if (select_good(fit, contrast * 0.5f, reach, (float)scene->shift_px) < GOOD_LEAST) {
+            return 0;
+        }
+        linearise(scene, fit);
+        double change[UNKNOWNS] = {0};
+        float scale;
+        change[8] = scene->shift_px;
+        if (!fit_map(fit, change, &scale)) {
+            return 0;
+        }
+        const float moved = largest_change(fit, scene->shift_px);
+        const float blur[2] = {(float)scene->blur_px[0], (float)scene->blur_px[1]};
+        update_blur(scene, fit);
+        int low, high;
+        if (confirm(fit, scale, &low, &high) < GOOD_LEAST || high - low < 1) {
+            return 0;
+        }
+        const float blurred = fmaxf(fabsf((float)scene->blur_px[0] - blur[0]),
+                                    fabsf((float)scene->blur_px[1] - blur[1]));
+        const int grow = 1 + (high - low) / 2;
+        const int next_from = clamp_index(low - grow), next_to = clamp_index(high + grow);
+        stable = moved < SETTLED_PX && blurred < 0.05f && next_from >= from && next_to <= to;
+        for (int k = 0; k < 8; ++k) {
+            scene->map.h[k] += change[k];
+        }
+        scene->shift_px = change[8];
+        if (stable) {
+            break;
+        }
+        from = next_from < from ? next_from : from;
+        to = next_to > to ? next_to : to;
+    }
+    return 1;
+}

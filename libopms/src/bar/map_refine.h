@@ -1,0 +1,29 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/** @file
+ * From labelled squares to the map that fits all measured stretches. */
+#ifndef OPMS_BAR_MAP_REFINE_H
+#define OPMS_BAR_MAP_REFINE_H
+
+#include <opms/bar.h>
+
+#include "bar/edge_fit.h"
+
+/** Stretches of the last pass and what they say together. */
+typedef struct bar_fit {
+    int count;
+    stretch_t stretch[OPMS_BAR_EDGES_MAX];
+    float residual[OPMS_BAR_EDGES_MAX]; /**< offset from the fitted map, px */
+    float sigma[OPMS_BAR_EDGES_MAX];    /**< px */
+    uint8_t good[OPMS_BAR_EDGES_MAX];
+    float row[OPMS_BAR_EDGES_MAX][9];   /**< gradient of each offset by the map and the shift */
+    float contrast, noise, saturated;
+} bar_fit_t;
+
+/** Refine the scene's map, shift and blur on all squares that can be seen.
+ *
+ * @param first, last  Range of squares that the map was fitted to.
+ * @param contrast     Least grey levels from black to white.
+ * @return 1 when enough stretches agree. */
+int map_refine(edge_scene_t *scene, int first, int last, float contrast, bar_fit_t *fit);
+
+#endif

@@ -1,0 +1,114 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "bar/plane_map.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "bar/solve_spd.h"
+#include "lens/lens_fast.h"
+
+#define X_UNIT_MM 10.0
+
+int plane_map_fit(plane_map_t *map, const plane_pair_t *pairs, int count)
+{
+    double low = 1e30, high = -1e30;
+    for (int i = 0; i < count; ++i) {
+        low = pairs[i].y_mm < low ? pairs[i].y_mm : low;
+        high = pairs[i].y_mm > high ? pairs[i].y_mm : high;
+    }
+    map->y0_mm = 0.5 * (low + high);
+    map->scale_mm = 0.5 * (high - low);
+    if (count < 4 || !(map->scale_mm > 0)) {
+        return 0;
+    }
+    double normal[64] = {0}, rhs[8] = {0};
+    for (int i = 0; i < count; ++i) {
+        const double a = pairs[i].x_mm / X_UNIT_MM;
+        const double b = (pairs[i].y_mm - map->y0_mm) / map->scale_mm;
+        for (int axis = 0; axis < 2; ++axis) {
+            const double ray = pairs[i].ray[axis];
+            double row[8] = {0};
+            row[3 * axis] = a;
+            row[3 * axis + 1] = b;
+            row[3 * axis + 2] = 1;
+            row[6] = -ray * a;
+            row[7] = -ray * b;
+            for (int j = 0; j < 8; ++j) {
+                for (int k = 0; k <= j; ++k) {
+                    normal[8 * j + k] += row[j] * row[k];
+                }
+                rhs[j] += row[j] * ray;
+            }
+        }
+    }
+    if (!spd_factor(normal, 8)) {
+        return 0;
+    }
+    spd_solve(normal, 8, rhs);
+    memcpy(map->h, rhs, sizeof rhs);
+    map->h[8] = 1;
+    return 1;
+}
+
+int plane_map_project(const plane_map_t *map, const opms_lens_t *lens, double ray_limit,
+                      double x_mm, double y_mm, double px[2], double *jac)
+{
+    const double *h = map->h;
+    const double a = x_mm / X_UNIT_MM, b = (y_mm - map->y0_mm) / map->scale_mm;
+    const double w = h[6] * a + h[7] * b + h[8];
+    if (!(w > 0.02)) {
+        return 0;
+    }
+    const double x = (h[0] * a + h[1] * b + h[2]) / w;
+    const double y = (h[3] * a + h[4] * b + h[5]) / w;
+    if (!(x * x + y * y < ray_limit * ray_limit)) {
+        return 0;
+    }
+    if (!jac) {
+        return lens_project_ray(lens, x, y, &px[0], &px[1]);
+    }
+    double bend[4];
+    lens_project_ray_jac(lens, x, y, &px[0], &px[1], bend);
+    const double x_a = (h[0] - x * h[6]) / (w * X_UNIT_MM), y_a = (h[3] - y * h[6]) / (w * X_UNIT_MM);
+    const double x_b = (h[1] - x * h[7]) / (w * map->scale_mm);
+    const double y_b = (h[4] - y * h[7]) / (w * map->scale_mm);
+    jac[0] = bend[0] * x_a + bend[1] * y_a;
+    jac[1] = bend[0] * x_b + bend[1] * y_b;
+    jac[2] = bend[2] * x_a + bend[3] * y_a;
+    jac[3] = bend[2] * x_b + bend[3] * y_b;
+    return 1;
+}
+
+void plane_map_gradient(const plane_map_t *map, const opms_lens_t *lens, double x_mm, double y_mm,
+                        double px[2], double grad[16])
+{
+    const double *h = map->h;
+    const double a = x_mm / X_UNIT_MM, b = (y_mm - map->y0_mm) / map->scale_mm;
+    const double w = h[6] * a + h[7] * b + h[8];
+    const double x = (h[0] * a + h[1] * b + h[2]) / w, y = (h[3] * a + h[4] * b + h[5]) / w;
+    double bend[4];
+    lens_project_ray_jac(lens, x, y, &px[0], &px[1], bend);
+    const double p[3] = {a / w, b / w, 1 / w};
+    for (int axis = 0; axis < 2; ++axis) {
+        const double u_x = bend[2 * axis], u_y = bend[2 * axis + 1];
+        double *row = &grad[8 * axis];
+        for (int k = 0; k < 3; ++k) {
+            row[k] = u_x * p[k];
+            row[3 + k] = u_y * p[k];
+        }
+        row[6] = -(u_x * x + u_y * y) * p[0];
+        row[7] = -(u_x * x + u_y * y) * p[1];
+    }
+}
+
+void plane_map_relabel(plane_map_t *map, int turn, double shift_mm)
+{
+    if (turn) {
+        for (int row = 0; row < 3; ++row) {
+            map->h[3 * row] = -map->h[3 * row];
+            map->h[3 * row + 1] = -map->h[3 * row + 1];
+        }
+        map->y0_mm = -map->y0_mm;
+    }
+    map->y0_mm += shift_mm;
+}
