@@ -20,7 +20,7 @@ extern "C" {
 #endif
 
 /** A distorted ray and the derivative of the distortion, in normalised coordinates. */
-typedef struct lens_bend {
+typedef struct lens_bent_ray {
     double xd, yd;
     double xx, xy, yy; /**< d(xd)/dx, d(xd)/dy = d(yd)/dx, d(yd)/dy */
 } lens_bend_t;

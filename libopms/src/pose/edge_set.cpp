@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "pose/edge_set.h"
+
+#include "lens/lens_fast.h"
+
+namespace opms::pose {
+
+namespace {
+
+constexpr uint32_t SAMPLE_SIZE = 96;
+constexpr uint32_t SAMPLE_FROM = 240; // fewer edges than this are all looked at
+constexpr double UNREACHED = 1e9;     // residual in sigmas of an edge that no ray reaches
+
+struct RayLine {
+    double x, y, mx, my;
+};
+
+/* One Newton step from a ray that is a pixel or two off leaves less than rounding does in m; a second one
+ * settles the ray. Anything else takes the general way. */
+bool line_of_edge(const opms_lens_t &lens, const opms_edge_t &edge, double x, double y,
+                  RayLine &line)
+{
+    for (int i = 0; i < 3; ++i) {
+        double u, v, jac[4];
+        lens_project_ray_jac(&lens, x, y, &u, &v, jac);
+        const double det = jac[0] * jac[3] - jac[1] * jac[2];
+        const double eu = edge.px[0] - u;
+        const double ev = edge.px[1] - v;
+        const double dx = (jac[3] * eu - jac[1] * ev) / det;
+        const double dy = (jac[0] * ev - jac[2] * eu) / det;
+        x += dx;
+        y += dy;
+        if (dx * dx + dy * dy < 1e-14) {
+            line.x = x;
+            line.y = y;
+            line.mx = jac[0] * edge.normal[0] + jac[2] * edge.normal[1];
+            line.my = jac[1] * edge.normal[0] + jac[3] * edge.normal[1];
+            return det > 0.0;
+        }
+    }
+    return false;
+}
+
+bool line_of_edge_unguided(const opms_lens_t &lens, const opms_edge_t &edge, RayLine &line)
+{
+    double x, y;
+    return lens_unproject_fast(&lens, edge.px[0], edge.px[1], &x, &y) != 0 &&
+           line_of_edge(lens, edge, x, y, line);
+}
+
+} // namespace
+
+void edge_set_init(EdgeSet &set, uint32_t count)
+{
+    set.count = count;
+    set.sample = count < SAMPLE_FROM ? count : SAMPLE_SIZE;
+    bool taken[EdgeSet::CAPACITY] = {};
+    uint32_t place = 0;
+    if (set.sample < count) {
+        // Multiples of the golden ratio are evenly spread and in step with no period of the bar.
+        double at = 0.5;
+        while (place < set.sample) {
+            at += 0.6180339887498949;
+            at -= std::floor(at);
+            const uint32_t index = static_cast<uint32_t>(at * count);
+            if (!taken[index]) {
+                taken[index] = true;
+                set.order[place++] = static_cast<uint16_t>(index);
+            }
+        }
+    }
+    for (uint32_t index = 0; index < count; ++index) {
+        if (!taken[index]) {
+            set.order[place++] = static_cast<uint16_t>(index);
+        }
+    }
+}
+
+void edge_set_fill(EdgeSet &set, const opms_lens_t &lens, const opms_edge_t *edges, uint32_t from,
+                   uint32_t to, const Placement *guess)
+{
+    Mat3 into = Mat3::Zero();
+    Vec3 origin = Vec3::Zero();
+    if (guess) {
+        into = guess->R.transpose();
+        origin = -(into * guess->t);
+    }
+    for (uint32_t i = from; i < to; ++i) {
+        const opms_edge_t &edge = edges[set.order[i]];
+        RayLine line;
+        bool reached = false;
+        if (guess) {
+            const Vec3 p = into.col(0) * edge.bar_m[0] + into.col(1) * edge.bar_m[1] + origin;
+            reached = line_of_edge(lens, edge, p.x() / p.z(), p.y() / p.z(), line);
+        }
+        reached = reached || line_of_edge_unguided(lens, edge, line);
+        const double information = 1.0 / edge.sigma_px;
+        set.X[i] = edge.bar_m[0];
+        set.Y[i] = edge.bar_m[1];
+        set.is[i] = reached ? information : 0.0;
+        set.mx[i] = reached ? line.mx * information : 0.0;
+        set.my[i] = reached ? line.my * information : 0.0;
+        set.c[i] = reached ? set.mx[i] * line.x + set.my[i] * line.y : UNREACHED;
+    }
+    // The empty edge that fills up the last pair: no residual, no gradient, a bar point that is in front.
+    set.X[to] = to > 0 ? set.X[to - 1] : 0.0;
+    set.Y[to] = to > 0 ? set.Y[to - 1] : 0.0;
+    set.mx[to] = set.my[to] = set.c[to] = set.is[to] = 0.0;
+}
+
+} // namespace opms::pose

@@ -1,0 +1,286 @@
+// SPDX-License-Identifier: Apache-2.0
+// From edges to a pose: a linear start and both planar solutions on a sample of the edges, then the better one on
+// all of them. The other solution is judged on the sample, and on all edges where that is close.
+#include <opms/pose.h>
+
+#include <algorithm>
+#include <cstring>
+
+#include "base/fail.h"
+#include "pose/covariance.h"
+#include "pose/planar.h"
+#include "pose/refine.h"
+
+namespace {
+
+using namespace opms::pose;
+
+constexpr uint32_t EDGES_MIN = 8;
+constexpr double SCALE_MAX_PX = 2.0;    // residuals beyond this agree with nothing
+constexpr double CLEAR_EXCESS = 100.0;  // chi2 that settles it on the sample
+constexpr double ALIKE_EXCESS = 16.0;   // chi2 within which both solutions stand
+constexpr double APART = 16.0;          // squared distance in sigmas from which two poses differ
+constexpr double NO_OTHER = 1e12;       // chi2_other where there is no second solution
+constexpr double ANGLE_SIGMA_MAX = 0.3; // rad; nothing is known beyond it
+constexpr int ITERATIONS_START = 15;
+constexpr int ITERATIONS_OTHER = 10;
+constexpr int ITERATIONS_ALL = 12;
+
+opms_status_t fail_arg(opms_error_t *err, int32_t index, const char *what)
+{
+    return opms_fail(err, OPMS_ERR_ARG, "pose", index, "%s", what);
+}
+
+opms_status_t check_lens(const opms_lens_t &lens, opms_error_t *err)
+{
+    const double sum = lens.fx_px + lens.fy_px + lens.cx_px + lens.cy_px + lens.k1 + lens.k2 +
+                       lens.p1 + lens.p2;
+    if (!std::isfinite(sum) || !(lens.fx_px > 0.0) || !(lens.fy_px > 0.0)) {
+        return fail_arg(err, -1, "lens has a value that is not finite or a focal length not above 0");
+    }
+    return OPMS_OK;
+}
+
+opms_status_t check_edge(const opms_edge_t &edge, int32_t index, opms_error_t *err)
+{
+    if (edge.square < 0 || edge.square >= OPMS_BAR_SQUARES) {
+        return fail_arg(err, index, "edges[].square is not 0 to 32");
+    }
+    if (edge.side < 0 || edge.side > 3) {
+        return fail_arg(err, index, "edges[].side is not 0 to 3");
+    }
+    const double sum = edge.bar_m[0] + edge.bar_m[1] + edge.px[0] + edge.px[1];
+    if (!std::isfinite(sum)) {
+        return fail_arg(err, index, "edges[].bar_m or edges[].px is not finite");
+    }
+    const double length2 = edge.normal[0] * edge.normal[0] + edge.normal[1] * edge.normal[1];
+    if (!(std::fabs(length2 - 1.0) < 1e-3)) {
+        return fail_arg(err, index, "edges[].normal is not a unit vector");
+    }
+    if (!(edge.sigma_px > 0.0 && edge.sigma_px < 1e6)) {
+        return fail_arg(err, index, "edges[].sigma_px is not above 0 and finite");
+    }
+    return OPMS_OK;
+}
+
+opms_status_t check_arguments(const opms_lens_t *lens, const opms_edge_t *edges, uint32_t count,
+                              const opms_pose_result_t *result, opms_error_t *err)
+{
+    if (!lens) {
+        return fail_arg(err, -1, "lens is NULL");
+    }
+    if (!result) {
+        return fail_arg(err, -1, "result is NULL");
+    }
+    if (!edges && count > 0) {
+        return fail_arg(err, -1, "edges is NULL");
+    }
+    if (count > OPMS_BAR_EDGES_MAX) {
+        return fail_arg(err, -1, "count is above OPMS_BAR_EDGES_MAX");
+    }
+    OPMS_TRY(check_lens(*lens, err));
+    for (uint32_t i = 0; i < count; ++i) {
+        OPMS_TRY(check_edge(edges[i], static_cast<int32_t>(i), err));
+    }
+    return OPMS_OK;
+}
+
+bool enough_edges(const opms_edge_t *edges, uint32_t count)
+{
+    if (count < EDGES_MIN) {
+        return false;
+    }
+    return std::any_of(edges, edges + count,
+                       [&](const opms_edge_t &edge) { return edge.square != edges[0].square; });
+}
+
+/* The printed face is the one that is seen: the camera is on its +Z side. */
+bool plausible(const Fit &fit)
+{
+    return fit.normal.in_front && fit.placement.t.z() > 0.0;
+}
+
+/* Best fit to the first n edges, from a linear start. */
+bool start(const EdgeSet &set, uint32_t n, const opms_edge_t *edges, PlaneView &view, Fit &best)
+{
+    Placement poses[2];
+    if (!homography_start(set, n, edges, view) || !planar_poses(view, poses)) {
+        return false;
+    }
+    // Which of the two is nearer shows before any step; the other is looked at later, from the refined one.
+    Normal looks[2];
+    double z[128];
+    residuals(set, std::min<uint32_t>(n, 128), poses[0], z);
+    const double scale = robust_scale(z, n);
+    normal_equations(set, n, poses[0], scale, looks[0]);
+    normal_equations(set, n, poses[1], scale, looks[1]);
+    const bool second = looks[1].in_front && !(looks[0].in_front && looks[0].cost <= looks[1].cost);
+    best.placement = poses[second ? 1 : 0];
+    refine(set, n, ITERATIONS_START, best);
+    return plausible(best);
+}
+
+/* Refine the reflected pose; swap the two where it is the better one. */
+bool find_other(const EdgeSet &set, uint32_t n, const PlaneView &view, Fit &best, Fit &other)
+{
+    other.placement = planar_mirror(best.placement, view.centre_m[0], view.centre_m[1]);
+    refine(set, n, ITERATIONS_OTHER, other);
+    if (!plausible(other)) {
+        return false;
+    }
+    if (other.scale < best.scale ||
+        (other.scale == best.scale && other.normal.cost < best.normal.cost)) {
+        std::swap(best, other);
+    }
+    return true;
+}
+
+/* How much worse the other solution fits the first n edges, in chi2 at the best one's scale. */
+double excess(const EdgeSet &set, uint32_t n, const Fit &best, const Fit &other)
+{
+    Normal at_other;
+    normal_equations(set, n, other.placement, best.scale, at_other);
+    return at_other.cost - best.normal.cost;
+}
+
+/* Squared distance of two placements in sigmas of the covariance. */
+double distance2(const Placement &from, const Placement &to, const Mat6 &covariance)
+{
+    Eigen::Matrix<double, 6, 1> step;
+    step << rotation_log(from.R.transpose() * to.R), to.t - from.t;
+    const Eigen::Matrix<double, 6, 1> unit = covariance.diagonal().cwiseSqrt().cwiseInverse();
+    const Eigen::Matrix<double, 6, 1> scaled = unit.cwiseProduct(step);
+    const Mat6 correlation = unit.asDiagonal() * covariance * unit.asDiagonal();
+    return scaled.dot(correlation.ldlt().solve(scaled));
+}
+
+struct Solution {
+    EdgeSet set;
+    PlaneView view;
+    Fit best, other;
+    bool has_other;
+    double z[EdgeSet::CAPACITY];
+    FitQuality quality;
+    Mat7 inverse;
+    Mat6 covariance;
+};
+
+/* Fit of all edges that agree; false where there is none. */
+bool find_best(const opms_lens_t &lens, const opms_edge_t *edges, uint32_t count, Solution &s)
+{
+    edge_set_init(s.set, count);
+    edge_set_fill(s.set, lens, edges, 0, s.set.sample, nullptr);
+    bool filled = s.set.sample == count;
+    bool found = start(s.set, s.set.sample, edges, s.view, s.best);
+    if (!found && !filled) { // the sample may have been unlucky
+        edge_set_fill(s.set, lens, edges, s.set.sample, count, nullptr);
+        filled = true;
+        s.set.sample = count;
+        found = start(s.set, count, edges, s.view, s.best);
+    }
+    if (!found) {
+        return false;
+    }
+    s.has_other = find_other(s.set, s.set.sample, s.view, s.best, s.other);
+    if (!filled) {
+        edge_set_fill(s.set, lens, edges, s.set.sample, count, &s.best.placement);
+    }
+    if (s.set.sample < count) {
+        refine(s.set, count, ITERATIONS_ALL, s.best);
+    }
+    return plausible(s.best);
+}
+
+/* Figures of the best fit; false where too few edges agree or they leave the pose open. */
+bool judge_best(Solution &s)
+{
+    residuals(s.set, s.set.count, s.best.placement, s.z);
+    s.quality = fit_quality(s.set, s.best, s.z);
+    if (s.quality.used < EDGES_MIN || 2 * s.quality.used < s.set.count ||
+        !(s.quality.residual_px < SCALE_MAX_PX)) {
+        return false;
+    }
+    if (!fit_covariance(s.best, s.quality.inflation, s.inverse, s.covariance)) {
+        return false;
+    }
+    const double angle2 = s.covariance.diagonal().head<3>().maxCoeff();
+    const double place2 = s.covariance.diagonal().tail<3>().maxCoeff();
+    const double limit = ANGLE_SIGMA_MAX * ANGLE_SIGMA_MAX;
+    return angle2 < limit && place2 < limit * s.best.placement.t.squaredNorm();
+}
+
+/* chi2_other, and whether both solutions stand. */
+bool is_ambiguous(Solution &s, double &chi2_other)
+{
+    chi2_other = NO_OTHER;
+    if (!s.has_other) {
+        return false;
+    }
+    const uint32_t count = s.set.count, sample = s.set.sample;
+    if (sample < count) {
+        Normal at_best;
+        normal_equations(s.set, sample, s.best.placement, s.best.scale, at_best);
+        Normal at_other;
+        normal_equations(s.set, sample, s.other.placement, s.best.scale, at_other);
+        const double on_sample = (at_other.cost - at_best.cost) * count / sample;
+        if (on_sample > CLEAR_EXCESS) {
+            chi2_other = on_sample;
+            return false;
+        }
+        refine(s.set, count, ITERATIONS_OTHER, s.other);
+        if (!plausible(s.other)) {
+            return false;
+        }
+    }
+    if (!(distance2(s.best.placement, s.other.placement, s.covariance) > APART)) {
+        return false; // both starts lead to the same pose
+    }
+    chi2_other = std::max(0.0, excess(s.set, count, s.best, s.other));
+    return chi2_other < ALIKE_EXCESS;
+}
+
+void write_result(const opms_lens_t &lens, const Solution &s, opms_pose_result_t *result)
+{
+    const Placement &p = s.best.placement;
+    Eigen::Map<RowMajor<3, 3>>(result->bar_camera.transform.R) = p.R;
+    Eigen::Map<Vec3>(result->bar_camera.transform.t_m) = p.t;
+    Eigen::Map<RowMajor<6, 6>>(result->bar_camera.covariance) = s.covariance;
+    Eigen::Map<RowMajor<6, 8>>(result->intrinsics_jacobian) =
+        fit_by_intrinsics(s.set, lens, s.best, s.inverse);
+    result->edge_shift_px = p.shift_px;
+}
+
+void write_residuals(const Solution &s, const opms_edge_t *edges, double *residuals_px)
+{
+    for (uint32_t i = 0; i < s.set.count; ++i) {
+        const uint32_t index = s.set.order[i];
+        residuals_px[index] = s.z[i] * edges[index].sigma_px;
+    }
+}
+
+} // namespace
+
+opms_status_t opms_pose_solve(const opms_lens_t *lens, const opms_edge_t *edges, uint32_t count,
+                              double *residuals_px, opms_pose_result_t *result, opms_error_t *err)
+{
+    OPMS_TRY(check_arguments(lens, edges, count, result, err));
+    std::memset(result, 0, sizeof *result);
+    result->state = OPMS_POSE_NONE;
+    Solution s;
+    if (!enough_edges(edges, count) || !find_best(*lens, edges, count, s) || !judge_best(s)) {
+        return OPMS_OK;
+    }
+    result->edges_used = s.quality.used;
+    result->residual_px = s.quality.residual_px;
+    result->chi2_dof = s.quality.chi2_dof;
+    if (is_ambiguous(s, result->chi2_other)) {
+        result->state = OPMS_POSE_AMBIGUOUS;
+        return OPMS_OK;
+    }
+    result->state = OPMS_POSE_FOUND;
+    write_result(*lens, s, result);
+    if (residuals_px) {
+        write_residuals(s, edges, residuals_px);
+    }
+    return OPMS_OK;
+}
