@@ -61,7 +61,8 @@ void read_distortion(const FieldMap &root, opms_lens_t &lens)
                   " numbers; plumb_bob has 5 (k1 k2 p1 p2 k3) or 4 of them");
     }
     if (d.size() == 5 && d[4] != 0) {
-        data.fail("has k3 other than 0, which is not supported; calibrate again with k3 fixed at 0");
+        data.fail("has k3 other than 0, which is not supported; "
+                  "calibrate again with k3 fixed at 0");
     }
     lens.k1 = d[0];
     lens.k2 = d[1];

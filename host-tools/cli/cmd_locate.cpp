@@ -147,6 +147,19 @@ int locate(const LocateArguments &arguments)
     return do_pictures(arguments, file.camera, *run, overlays.get());
 }
 
+/** CLI11's range check lets NaN through. */
+CLI::Validator tilt_check()
+{
+    return CLI::Validator(
+        [](std::string &value) {
+            double tilt = 0;
+            const bool number = CLI::detail::lexical_cast(value, tilt);
+            return number && tilt >= -90 && tilt <= 90 ? std::string()
+                                                       : value + " is no angle from -90 to 90";
+        },
+        "");
+}
+
 }  // namespace
 
 void add_cmd_locate(CLI::App &app, int &exit_code)
@@ -163,7 +176,7 @@ void add_cmd_locate(CLI::App &app, int &exit_code)
     cmd->add_option("--tilt-deg", arguments->tilt_deg,
                     "Tilt of the bar, positive: face turned away from the operator [0]")
         ->type_name("DEG")
-        ->check(CLI::Range(-90.0, 90.0).description(""));
+        ->check(tilt_check());
     cmd->add_option("--white-level", arguments->white_level,
                     "Grey level at saturation, 4095 for 12 bit in 16 [255 or 65535]")
         ->type_name("N")

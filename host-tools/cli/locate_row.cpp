@@ -156,7 +156,8 @@ std::string locate_table_heading(bool of_detector, std::size_t name_width)
 
 std::string locate_table_line(const LocateResult &result, std::size_t name_width)
 {
-    const std::string start = padded(result.image, name_width) + text("  %-9s", result.state_name());
+    const std::string start =
+        padded(result.image, name_width) + text("  %-9s", result.state_name());
     if (!result.reason.empty()) {
         return start + "  " + result.reason;
     }

@@ -2,10 +2,10 @@
 #include "overlay.hpp"
 
 #include <algorithm>
+#include <cerrno>
 #include <cmath>
 #include <cstdio>
 #include <cstring>
-#include <cerrno>
 #include <filesystem>
 
 #include <unistd.h>
@@ -65,7 +65,7 @@ cv::Mat overlay_draw(const OverlayScene &scene)
     overlay_draw_marks(Canvas(left, magnification), scene);
 
     const int height = std::max(left.rows, PANEL_HEIGHT_MIN_PX);
-    const int panel_width = static_cast<int>(height * 0.42);
+    const int panel_width = static_cast<int>(height * 0.44);
     cv::Mat whole(height, left.cols + panel_width, CV_8UC3, colour::background);
     left.copyTo(whole(cv::Rect(0, 0, left.cols, left.rows)));
     overlay_draw_panel(whole(cv::Rect(left.cols, 0, panel_width, height)), scene, magnification);

@@ -35,7 +35,7 @@ public:
     /** Whether a point lies on the canvas. */
     bool holds(const cv::Point2d &p) const;
 
-    /* Widths and sizes are in pixels of the matrix; lines are drawn over a dark halo where wanted. */
+    /* Widths, heights and radii are in pixels of the matrix. */
     void line(const cv::Point2d &a, const cv::Point2d &b, const cv::Scalar &c, int width) const;
     void polygon(const std::vector<cv::Point2d> &points, bool closed, const cv::Scalar &c,
                  int width) const;

@@ -48,13 +48,20 @@ cv::Point2d middle(const opms_square_t &square)
     return (corner(square, 0) + corner(square, 1) + corner(square, 2) + corner(square, 3)) * 0.25;
 }
 
-/** Beside the bar, a square and a half towards -X (away from the operator). */
+/** Beside the bar, square across it in the picture, on the side away from the operator (-X). */
 cv::Point2d label_place(const opms_square_t &square, double gap)
 {
-    const cv::Point2d far_side = (corner(square, 0) + corner(square, 3)) * 0.5;
-    cv::Point2d out = far_side - middle(square);
-    const double length = std::max(1e-6, std::hypot(out.x, out.y));
-    return far_side + out * (0.6 + gap / length);
+    const cv::Point2d along = corner(square, 2) + corner(square, 3) - corner(square, 0) -
+                              corner(square, 1);
+    const cv::Point2d far_side = (corner(square, 0) + corner(square, 3)) * 0.5 - middle(square);
+    const double length = std::max(1e-6, std::hypot(along.x, along.y));
+    cv::Point2d across(-along.y / length, along.x / length);
+    double half_width = across.dot(far_side);
+    if (half_width < 0) {
+        across = -across;
+        half_width = -half_width;
+    }
+    return middle(square) + across * (1.5 * half_width + gap);
 }
 
 void draw_squares(const Canvas &canvas, const std::vector<opms_square_t> &squares)
@@ -81,7 +88,7 @@ void draw_labels(const Canvas &canvas, const std::vector<opms_square_t> &squares
     const int every = std::max(1, static_cast<int>(std::ceil(1.3 * height / pitch_px)));
     for (const opms_square_t &square : squares) {
         if (square.index % every == 0) {
-            canvas.label(label_place(square, height / canvas.scale()),
+            canvas.label(label_place(square, 1.1 * height / canvas.scale()),
                          std::to_string(square.index), height, colour::text);
         }
     }

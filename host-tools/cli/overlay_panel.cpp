@@ -42,7 +42,7 @@ public:
         y_ += 25;
         canvas_.text({24, y_}, name, px(11.5), colour::text);
         canvas_.text({130, y_}, value, px(11.5), colour::text, 2);
-        canvas_.text({262, y_}, remark, px(11.5), colour::dim);
+        canvas_.text({268, y_}, remark, px(11.5), colour::dim);
     }
     double px(double units) const { return units * canvas_.scale(); }
 
@@ -123,7 +123,8 @@ void draw_legend(Column &column, bool head, double magnification)
     canvas.polygon({{30, y - 7}, {70, y - 7}, {70, y + 7}, {30, y + 7}}, true, colour::square, 2);
     legend_text(column, y, "square of the bar, as fitted");
     const cv::Scalar colours[3] = {colour::good, colour::fair, colour::bad};
-    const char *const names[3] = {"edge within 2 sigma", "edge within 4 sigma", "edge that disagrees"};
+    const char *const names[3] = {"edge within 2 sigma", "edge within 4 sigma",
+                                  "edge that disagrees"};
     for (int i = 0; i < 3; i++) {
         canvas.dot({50, y}, column.px(4), colours[i]);
         legend_text(column, y, names[i]);
