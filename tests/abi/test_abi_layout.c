@@ -58,12 +58,13 @@ SIZE(opms_square_t, 72);
 AT(opms_square_t, edges, 4);
 AT(opms_square_t, corners_px, 8);
 
-SIZE(opms_edge_t, 64);
+SIZE(opms_edge_t, 72);
 AT(opms_edge_t, side, 4);
 AT(opms_edge_t, bar_m, 8);
 AT(opms_edge_t, px, 24);
 AT(opms_edge_t, normal, 40);
 AT(opms_edge_t, sigma_px, 56);
+AT(opms_edge_t, shift_gain, 64);
 
 SIZE(opms_bar_summary_t, 64);
 AT(opms_bar_summary_t, square_count, 4);

@@ -82,6 +82,7 @@ static inline int truth_edge(const opms_lens_t *lens, const opms_transform_t *ba
     edge->bar_m[0] = X;
     edge->bar_m[1] = Y;
     edge->sigma_px = 0.05;
+    edge->shift_gain = 1.0;
     if (truth_project(lens, bar_camera, here, edge->px) < 0.05) {
         return 0;
     }

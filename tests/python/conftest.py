@@ -65,5 +65,5 @@ def exact_edges(lens, bar_camera, sigma_px=0.02):
                 tangent = px[1] - px[0]
                 normal = np.array([-tangent[1], tangent[0]]) / np.hypot(*tangent)
                 normal *= np.sign(normal @ (px[2] - px[0]))
-                rows.append((square, side, bar_m, px[0], normal, sigma_px))
+                rows.append((square, side, bar_m, px[0], normal, sigma_px, 1.0))
     return np.array(rows, dtype=opms.EDGE_DTYPE)

@@ -115,6 +115,7 @@ nb::object py_edge_dtype()
     dtype.add("px", "(2,)f8", offsetof(opms_edge_t, px));
     dtype.add("normal", "(2,)f8", offsetof(opms_edge_t, normal));
     dtype.add("sigma_px", "f8", offsetof(opms_edge_t, sigma_px));
+    dtype.add("shift_gain", "f8", offsetof(opms_edge_t, shift_gain));
     return dtype.build(sizeof(opms_edge_t));
 }
 

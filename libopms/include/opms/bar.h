@@ -44,6 +44,9 @@ typedef struct opms_edge {
     double px[2];       /**< measured point (u, v), anywhere along the edge */
     double normal[2];   /**< unit normal of the edge in the picture, out of the square */
     double sigma_px;    /**< standard deviation along the normal, from the image noise */
+    /** Pixels by which this edge moves along its normal when the common edge shift grows by one: 1
+     * unless saturation meets edges of different blur (motion), where it is proportional to the blur. */
+    double shift_gain;
 } opms_edge_t;
 
 /** What is known about the picture of the bar as a whole. */

@@ -174,6 +174,42 @@ int chain_grow(const view_t *view, const quad_t *seed, float contrast, const qua
     return chain->count;
 }
 
+/** Common outward shift of the sides, from the pitch between neighbours: a square is two thirds of it. */
+static float shift_of(const chain_t *chain)
+{
+    float sum = 0;
+    int n = 0;
+    for (int i = 0; i + 1 < chain->count; ++i) {
+        const struct chain_square *a = &chain->square[i], *b = &chain->square[i + 1];
+        if (b->place - a->place != 1) {
+            continue;
+        }
+        const point_t ma = middle(a->corner), mb = middle(b->corner);
+        const float side = 0.25f * (span(a->corner[0], a->corner[3]) + span(a->corner[1], a->corner[2]) +
+                                    span(b->corner[0], b->corner[3]) + span(b->corner[1], b->corner[2]));
+        sum += 0.5f * (side - span(ma, mb) * 2.f / 3.f);
+        ++n;
+    }
+    return n ? sum / (float)n : 0;
+}
+
+/** Move the four sides of every square by a distance, outwards. */
+static void move_sides(chain_t *chain, float outward)
+{
+    for (int i = 0; i < chain->count; ++i) {
+        point_t *c = chain->square[i].corner;
+        const float x = 0.5f * (span(c[0], c[1]) + span(c[3], c[2]));
+        const float y = 0.5f * (span(c[0], c[3]) + span(c[1], c[2]));
+        const point_t ux = {(c[1].x + c[2].x - c[0].x - c[3].x) / (2 * x), (c[1].y + c[2].y - c[0].y - c[3].y) / (2 * x)};
+        const point_t uy = {(c[2].x + c[3].x - c[0].x - c[1].x) / (2 * y), (c[2].y + c[3].y - c[0].y - c[1].y) / (2 * y)};
+        for (int k = 0; k < 4; ++k) {
+            const float sx = (k == 1 || k == 2) ? outward : -outward, sy = k >= 2 ? outward : -outward;
+            c[k].x += sx * ux.x + sy * uy.x;
+            c[k].y += sx * ux.y + sy * uy.y;
+        }
+    }
+}
+
 static int fit_corners(const chain_t *chain, const opms_lens_t *lens, plane_map_t *map)
 {
     plane_pair_t pairs[4 * CHAIN_MAX];
@@ -213,8 +249,11 @@ static double misfit(const struct chain_square *square, const opms_lens_t *lens,
     return worst / allowed;
 }
 
-int chain_fit(chain_t *chain, const opms_lens_t *lens, double ray_limit, plane_map_t *map)
+int chain_fit(chain_t *chain, const opms_lens_t *lens, double ray_limit, plane_map_t *map, double *shift_px)
 {
+    const float shift = shift_of(chain);
+    move_sides(chain, -shift);
+    *shift_px = (double)shift;
     while (chain->count >= 2) {
         if (!fit_corners(chain, lens, map)) {
             return 0;

@@ -28,7 +28,10 @@ int chain_grow(const view_t *view, const quad_t *seed, float contrast, const qua
                point_t *points, chain_t *chain);
 
 /** Fit the row's map to rays, places times the pitch as Y; squares that do not fit are dropped.
- * 1 if at least two squares agree. */
-int chain_fit(chain_t *chain, const opms_lens_t *lens, double ray_limit, plane_map_t *map);
+ * Before that all sides are moved by their common shift, which is returned: saturated white and
+ * motion can make the squares a good deal smaller than they are.
+ *
+ * @return 1 if at least two squares agree. */
+int chain_fit(chain_t *chain, const opms_lens_t *lens, double ray_limit, plane_map_t *map, double *shift_px);
 
 #endif

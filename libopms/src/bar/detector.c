@@ -284,6 +284,7 @@ static void write_edges(opms_bar_detector_t *d, const opms_roi_t *roi)
         edge->normal[0] = (double)s->normal[0] / length;
         edge->normal[1] = (double)s->normal[1] / length;
         edge->sigma_px = (double)d->fit.sigma[i];
+        edge->shift_gain = (double)d->fit.row[i][8];
     }
 }
 
@@ -369,8 +370,9 @@ static opms_bar_state_t try_seed(opms_bar_detector_t *d, const quad_t *seed, flo
 {
     chain_t chain;
     plane_map_t map;
+    double shift_px;
     if (chain_grow(&d->view, seed, contrast, &d->limits, d->points, &chain) < 3 ||
-        !chain_fit(&chain, &d->local_lens, d->ray_limit, &map) || chain.count < 3) {
+        !chain_fit(&chain, &d->local_lens, d->ray_limit, &map, &shift_px) || chain.count < 3) {
         return OPMS_BAR_ABSENT;
     }
     labels_t labels = {0, 0, 0};
@@ -380,7 +382,8 @@ static opms_bar_state_t try_seed(opms_bar_detector_t *d, const quad_t *seed, flo
         return verdict == LABELS_UNDECIDED ? OPMS_BAR_AMBIGUOUS : OPMS_BAR_ABSENT;
     }
     plane_map_relabel(&map, labels.turn, BAR_PITCH_MM * (labels.offset - OPMS_BAR_ORIGIN));
-    edge_scene_t scene = {&d->view, &d->local_lens, d->ray_limit, map, 0, {BLUR_START_PX, BLUR_START_PX}};
+    edge_scene_t scene = {&d->view, &d->local_lens, d->ray_limit, map, shift_px, {1, 1},
+                          {BLUR_START_PX, BLUR_START_PX}};
     const int a = chain.square[0].place, b = chain.square[chain.count - 1].place;
     const int first = labels.turn ? labels.offset - b : labels.offset + a;
     const int last = labels.turn ? labels.offset - a : labels.offset + b;

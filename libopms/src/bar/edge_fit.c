@@ -247,7 +247,7 @@ static int fit_side(const edge_scene_t *scene, int square, int side, stretch_t *
     parts = parts < 1 ? 1 : parts > OPMS_BAR_EDGES_PER_SIDE ? OPMS_BAR_EDGES_PER_SIDE : parts;
 
     const unsigned cells = family ? bar_gap_cells(square, side == 3 ? 1 : -1) : 0;
-    const float shift = (float)scene->shift_px;
+    const float shift = (float)(scene->shift_px * scene->shift_gain[family]);
     const float saturation = (float)view->white_level - 0.5f;
     int found = 0;
     for (int part = 0; part < parts; ++part) {

@@ -15,7 +15,8 @@ typedef struct edge_scene {
     const opms_lens_t *lens;
     double ray_limit;
     plane_map_t map;
-    double shift_px; /**< common outward shift of the sides */
+    double shift_px;      /**< common outward shift of the sides */
+    double shift_gain[2]; /**< by which a family of sides takes part in it; families as blur_px */
     double blur_px[2]; /**< of the sides along Y (X = +-10 mm), and of those along X */
 } edge_scene_t;
 

@@ -2,20 +2,24 @@
 #include "bar/labels.h"
 
 #include <math.h>
+#include <string.h>
 
 #include "bar/bar_code.h"
 
 /* Each cell gives a soft value, 0 black to 1 white, normalised by its own square's black and the
- * white margins next to it. A place of the row on the bar predicts all values; the sum of squared
- * differences is minus twice the log-likelihood times the variance. Neighbouring cells run into one
- * another when they are small in the picture, so the prediction has a leak from each cell to the
- * next along X, which is estimated with each hypothesis (it is one linear unknown). */
+ * white margins next to it. A place of the row on the bar predicts which cells are black; how black
+ * they come out is not known beforehand, since blur and saturated white can nearly close a cell, and
+ * neighbouring cells run into one another when they are small in the picture. So each hypothesis is
+ * a linear regression on the printed cells and on the leak between neighbours, and hypotheses are
+ * compared by their likelihood with the noise estimated from the residual, which has a floor. */
 
-#define CELL_SIGMA 0.28      /* of a soft value about its prediction */
-#define MARGIN_NEEDED 9.0    /* nats between the best place and the next */
-#define MISFIT_ALLOWED 0.11  /* mean squared difference of a value, best place */
+#define SIGMA_LEAST 0.025     /* of a soft value about its prediction: what noise alone does */
+#define SIGMA_OF_DEPTH 0.075  /* and what an inexact map and blur do, as a part of a cell's depth */
+#define MARGIN_NEEDED 9.0     /* nats between the best place and the next */
+#define EXPLAINED_LEAST 0.6   /* part of the values' scatter that the best place explains */
+#define DEPTH_LEAST 0.08      /* of a black cell below white */
 #define SQUARES_NEEDED 3
-#define LEAK_MOST 0.33
+#define LEAK_MOST 0.4         /* of a cell into each neighbour, relative to its depth */
 
 typedef struct row_cells {
     int count; /* squares */
@@ -42,7 +46,7 @@ static int sample_cell(const view_t *view, const plane_map_t *map, const opms_le
     float sum = 0;
     for (int i = -1; i <= 1; ++i) {
         float v;
-        if (!sample(view, map, lens, ray_limit, x_mm, y_mm + 1.2 * i, &v)) {
+        if (!sample(view, map, lens, ray_limit, x_mm, y_mm + 0.9 * i, &v)) {
             return 0;
         }
         sum += v;
@@ -86,36 +90,68 @@ static float cell_of(unsigned gap, int position)
     return position < 0 || position >= BAR_CELLS ? 0.f : (float)(gap >> position & 1u);
 }
 
-/** Squared differences of a row from a place of the bar, with the best leak. */
-static double misfit(const row_cells_t *cells, int turn, int offset, int *values)
+typedef struct regression {
+    int n;
+    double rr;         /* of the darkness r = 1 - value, about white */
+    double ee, el, ll; /* e: printed black cell, l: black cells next to it */
+    double er, lr;
+} regression_t;
+
+static void regress(const row_cells_t *cells, int turn, int offset, regression_t *sums)
 {
-    double rr = 0, rl = 0, ll = 0;
-    int n = 0;
+    memset(sums, 0, sizeof *sums);
     for (int i = 0; i < cells->count; ++i) {
         const int index = turn ? offset - cells->place[i] : offset + cells->place[i];
         const unsigned gap[2] = {bar_gap_cells(index, -1), bar_gap_cells(index, 1)};
         for (int bit = 0; bit < BAR_CELLS; ++bit) {
-            const float value = cells->value[i][bit];
-            if (value < -1.f) {
+            if (cells->value[i][bit] < -1.f) {
                 continue;
             }
             /* Seen from the other end, bit b of a reading is bit 5 - b of the print. */
             const int printed = turn ? BAR_CELLS - 1 - bit : bit;
             const unsigned mask = gap[printed >= 3];
             const int position = BAR_CELLS - 1 - printed;
-            const float here = cell_of(mask, position);
-            const float leak = cell_of(mask, position - 1) + cell_of(mask, position + 1) - 2.f * here;
-            const float difference = (1.f - value) - here;
-            rr += (double)(difference * difference);
-            rl += (double)(difference * leak);
-            ll += (double)(leak * leak);
-            ++n;
+            const double e = (double)cell_of(mask, position);
+            const double l = (double)(cell_of(mask, position - 1) + cell_of(mask, position + 1)) - 2 * e;
+            const double r = 1.0 - (double)cells->value[i][bit];
+            ++sums->n;
+            sums->rr += r * r;
+            sums->ee += e * e;
+            sums->el += e * l;
+            sums->ll += l * l;
+            sums->er += e * r;
+            sums->lr += l * r;
         }
     }
-    double part = ll > 0 ? rl / ll : 0;
-    part = part < 0 ? 0 : part > LEAK_MOST ? LEAK_MOST : part;
-    *values = n;
-    return rr - 2 * part * rl + part * part * ll;
+}
+
+/** Residual sum of squares of a row at a place of the bar, with the best depth and leak. */
+static double misfit(const regression_t *f, double *cell_depth)
+{
+    *cell_depth = 0;
+    if (!(f->ee > 0)) {
+        return f->rr;
+    }
+    const double det = f->ee * f->ll - f->el * f->el;
+    double depth = f->er / f->ee, leak = 0;
+    if (det > 1e-6 * f->ee * f->ll) {
+        const double both = (f->ll * f->er - f->el * f->lr) / det;
+        leak = (f->ee * f->lr - f->el * f->er) / det;
+        leak = leak < 0 ? 0 : leak;
+        leak = leak > LEAK_MOST * both ? LEAK_MOST * both : leak;
+        if (both > 0) {
+            depth = (f->er - leak * f->el) / f->ee;
+        } else {
+            leak = 0;
+        }
+    }
+    if (depth < DEPTH_LEAST) {
+        return f->rr;
+    }
+    depth = depth > 1.3 ? 1.3 : depth;
+    *cell_depth = depth;
+    return f->rr - 2 * (depth * f->er + leak * f->lr) + depth * depth * f->ee +
+           2 * depth * leak * f->el + leak * leak * f->ll;
 }
 
 label_verdict_t labels_decide(const view_t *view, const chain_t *chain, const plane_map_t *map,
@@ -130,6 +166,7 @@ label_verdict_t labels_decide(const view_t *view, const chain_t *chain, const pl
         read_square(view, map, lens, ray_limit, cells.place[i], cells.value[i]);
     }
     double best = 1e30, next = 1e30;
+    double scatter = 0, depth = 0;
     int values = 0;
     for (int turn = 0; turn < 2; ++turn) {
         for (int offset = 0; offset < 2 * OPMS_BAR_SQUARES; ++offset) {
@@ -138,12 +175,16 @@ label_verdict_t labels_decide(const view_t *view, const chain_t *chain, const pl
             if (from < 0 || from + last - first >= OPMS_BAR_SQUARES) {
                 continue;
             }
-            int n;
-            const double m = misfit(&cells, turn, base, &n);
+            regression_t sums;
+            regress(&cells, turn, base, &sums);
+            double cell_depth;
+            const double m = misfit(&sums, &cell_depth);
             if (m < best) {
                 next = best;
                 best = m;
-                values = n;
+                values = sums.n;
+                scatter = sums.rr;
+                depth = cell_depth;
                 labels->turn = turn;
                 labels->offset = base;
             } else if (m < next) {
@@ -151,10 +192,12 @@ label_verdict_t labels_decide(const view_t *view, const chain_t *chain, const pl
             }
         }
     }
-    if (values == 0 || chain->count < SQUARES_NEEDED || best > MISFIT_ALLOWED * values) {
-        labels->margin = 0;
+    labels->margin = 0;
+    if (values == 0 || chain->count < SQUARES_NEEDED || best > (1 - EXPLAINED_LEAST) * scatter) {
         return LABELS_NOT_A_BAR;
     }
-    labels->margin = (next - best) / (2 * CELL_SIGMA * CELL_SIGMA);
+    const double sigma = SIGMA_LEAST + SIGMA_OF_DEPTH * depth;
+    const double floor_rss = sigma * sigma * values;
+    labels->margin = 0.5 * values * log((fmin(next, scatter) + floor_rss) / (best + floor_rss));
     return labels->margin >= MARGIN_NEEDED ? LABELS_CERTAIN : LABELS_UNDECIDED;
 }

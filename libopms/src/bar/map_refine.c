@@ -41,8 +41,13 @@ static void measure(const edge_scene_t *scene, int first, int last, bar_fit_t *f
     }
 }
 
+static float expected_shift(const edge_scene_t *scene, const stretch_t *s)
+{
+    return (float)(scene->shift_px * scene->shift_gain[s->side & 1]);
+}
+
 /** Mark the stretches that look like this bar's sides; returns how many. */
-static int select_good(bar_fit_t *fit, float contrast_least, float offset_most, float shift)
+static int select_good(bar_fit_t *fit, float contrast_least, float offset_most, const edge_scene_t *scene)
 {
     static const float variance_most = 9.f; /* times the median: grass, a cell that was not foreseen */
     float *scratch = fit->residual;
@@ -61,7 +66,7 @@ static int select_good(bar_fit_t *fit, float contrast_least, float offset_most, 
     for (int i = 0; i < fit->count; ++i) {
         fit->good[i] = fit->good[i] && fit->stretch[i].contrast > 0.3f * fit->contrast &&
                        fit->stretch[i].contrast < 3.f * fit->contrast &&
-                       fabsf(fit->stretch[i].offset_px - shift) < offset_most;
+                       fabsf(fit->stretch[i].offset_px - expected_shift(scene, &fit->stretch[i])) < offset_most;
         if (fit->good[i]) {
             scratch[n++] = fit->stretch[i].variance;
         }
@@ -103,7 +108,7 @@ static void linearise(const edge_scene_t *scene, bar_fit_t *fit)
         for (int k = 0; k < 8; ++k) {
             fit->row[i][k] = (float)((double)s->normal[0] * grad[k] + (double)s->normal[1] * grad[8 + k]);
         }
-        fit->row[i][8] = 1.f;
+        fit->row[i][8] = (float)scene->shift_gain[s->side & 1];
     }
 }
 
@@ -183,6 +188,25 @@ static void update_blur(edge_scene_t *scene, const bar_fit_t *fit)
     }
 }
 
+/** Where white is saturated, a profile is cut at the same part of its height on all sides, so the
+ * side it seems to be at moves in proportion to the profile's width: motion blurs two of the four
+ * sides more than the others. Without saturation all sides shift alike (print, exposure). */
+static void update_gain(edge_scene_t *scene, const bar_fit_t *fit)
+{
+    double pixels = 0, saturated = 0;
+    for (int i = 0; i < fit->count; ++i) {
+        if (fit->good[i]) {
+            pixels += fit->stretch[i].pixels;
+            saturated += fit->stretch[i].saturated;
+        }
+    }
+    const double part = pixels > 0 ? fmin(1, saturated / (0.05 * pixels)) : 0;
+    const double mean = 0.5 * (scene->blur_px[0] + scene->blur_px[1]);
+    for (int family = 0; family < 2; ++family) {
+        scene->shift_gain[family] = 1 + part * (scene->blur_px[family] / mean - 1);
+    }
+}
+
 /** Drop what lies far from the fitted map, and find the range of squares that is confirmed. */
 static int confirm(bar_fit_t *fit, float scale, int *first, int *last)
 {
@@ -209,12 +233,13 @@ static int confirm(bar_fit_t *fit, float scale, int *first, int *last)
     return n;
 }
 
-static float largest_change(const bar_fit_t *fit, double shift)
+static float largest_change(const bar_fit_t *fit, const edge_scene_t *scene)
 {
     float most = 0;
     for (int i = 0; i < fit->count; ++i) {
         if (fit->good[i]) {
-            const float moved = fabsf(fit->stretch[i].offset_px - fit->residual[i] - (float)shift);
+            const float moved = fabsf(fit->stretch[i].offset_px - fit->residual[i] -
+                                     expected_shift(scene, &fit->stretch[i]));
             most = moved > most ? moved : most;
         }
     }
@@ -233,7 +258,7 @@ int map_refine(edge_scene_t *scene, int first, int last, float contrast, bar_fit
     for (int pass = 0; pass < PASSES_MOST; ++pass) {
         measure(scene, from, to, fit);
         const float reach = pass == 0 ? 3.f : 2.f;
-        if (select_good(fit, contrast * 0.5f, reach, (float)scene->shift_px) < GOOD_LEAST) {
+        if (select_good(fit, contrast * 0.5f, reach, scene) < GOOD_LEAST) {
             return 0;
         }
         linearise(scene, fit);
@@ -243,9 +268,10 @@ int map_refine(edge_scene_t *scene, int first, int last, float contrast, bar_fit
         if (!fit_map(fit, change, &scale)) {
             return 0;
         }
-        const float moved = largest_change(fit, scene->shift_px);
+        const float moved = largest_change(fit, scene);
         const float blur[2] = {(float)scene->blur_px[0], (float)scene->blur_px[1]};
         update_blur(scene, fit);
+        update_gain(scene, fit);
         int low, high;
         if (confirm(fit, scale, &low, &high) < GOOD_LEAST || high - low < 1) {
             return 0;

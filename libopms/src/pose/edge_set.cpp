@@ -97,7 +97,7 @@ void edge_set_fill(EdgeSet &set, const opms_lens_t &lens, const opms_edge_t *edg
         const double information = 1.0 / edge.sigma_px;
         set.X[i] = edge.bar_m[0];
         set.Y[i] = edge.bar_m[1];
-        set.is[i] = reached ? information : 0.0;
+        set.is[i] = reached ? edge.shift_gain * information : 0.0;
         set.mx[i] = reached ? line.mx * information : 0.0;
         set.my[i] = reached ? line.my * information : 0.0;
         set.c[i] = reached ? set.mx[i] * line.x + set.my[i] * line.y : UNREACHED;

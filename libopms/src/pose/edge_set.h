@@ -38,7 +38,7 @@ struct EdgeSet {
     alignas(16) double mx[CAPACITY]; /**< m / sigma */
     alignas(16) double my[CAPACITY];
     alignas(16) double c[CAPACITY];  /**< m.x_q / sigma */
-    alignas(16) double is[CAPACITY]; /**< 1 / sigma */
+    alignas(16) double is[CAPACITY]; /**< shift gain / sigma */
 };
 
 /** Choose the order; no edge is taken over yet. */

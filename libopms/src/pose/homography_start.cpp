@@ -1,13 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 // Each edge is a line l among the rays that must pass through the image of its bar point P:
-// l^T H P = 0, linear in H. Two things make the almost one-dimensional bar well behaved:
+// l^T H P = 0, linear in H. Three things make the almost one-dimensional bar well behaved:
 //  - H maps the middle of the bar to a point in front of the camera, so with the bar's origin
 //    there its last entry may be set to 1, and the depth's slope across 20 mm, which little but noise
 //    shows, is held near zero by a prior; the derivative at the middle is all that is used afterwards.
+//  - The common shift of the edges is one more unknown: left out, it makes the squares too small and the view
+//    of a level bar a slanted one.
 //  - The line also says where the side runs to: with its direction d, l^T H d = 0. Without it sides measured
 //    only at their middles would leave H open. It counts little, as the normals may be rough.
 // Reweighted twice for the depth and, by Cauchy's weights, against outliers.
 #include "pose/homography_start.h"
+
+#include <algorithm>
 
 #include "pose/refine.h"
 
@@ -15,8 +19,8 @@ namespace opms::pose {
 
 namespace {
 
-using Vec8 = Eigen::Matrix<double, 8, 1>;
-using Mat8 = Eigen::Matrix<double, 8, 8>;
+using Vec9 = Eigen::Matrix<double, 9, 1>; // H row by row without its last entry; the shift in px
+using Mat9 = Eigen::Matrix<double, 9, 9>;
 
 constexpr int PASSES = 4;
 constexpr double LEVER_M = 0.002;      // length over which a normal is believed
@@ -30,8 +34,7 @@ struct Units {
 
 bool choose_units(const EdgeSet &set, uint32_t n, Units &units)
 {
-    // A point on each line: the foot of the axis would do for the middle, but the line's normal form
-    // has lost the point, so take the least-squares crossing of all lines.
+    // The lines have lost their points; the middle of the rays is the point nearest to all lines.
     double X = 0.0, Y = 0.0, XX = 0.0;
     double axx = 0.0, axy = 0.0, ayy = 0.0, bx = 0.0, by = 0.0;
     for (uint32_t i = 0; i < n; ++i) {
@@ -63,50 +66,131 @@ bool choose_units(const EdgeSet &set, uint32_t n, Units &units)
            std::isfinite(units.ray);
 }
 
-/* Sum of w (l l^T) x (P P^T + d d^T): the blocks of a 9 x 9 matrix, kept as 6 x 6 unique products. */
-struct Moments {
-    double sum[6][6];
+/* One edge in those units: the line l, the bar point, its side's direction, and what the shift does. */
+struct Row {
+    double l[3];
+    double X, Y;
+    bool along_x;
+    double shift;
 };
 
-void add_edge(Moments &moments, const double l[3], double X, double Y, double dX2, double dY2,
-              double weight)
+Row row_of(const EdgeSet &set, uint32_t i, const opms_edge_t *edges, const Units &units)
 {
+    Row row;
+    row.l[0] = set.mx[i] * units.ray;
+    row.l[1] = set.my[i] * units.ray;
+    row.l[2] = set.mx[i] * units.x0 + set.my[i] * units.y0 - set.c[i];
+    row.X = (set.X[i] - units.X0) / units.plane;
+    row.Y = (set.Y[i] - units.Y0) / units.plane;
+    row.along_x = (edges[set.order[i]].side & 1) != 0;
+    row.shift = set.is[i];
+    return row;
+}
+
+/* Sum of w (l l^T) x (P P^T + d d^T), kept as the 6 x 6 products of its unique entries, and of the
+ * products with the shift's column. */
+struct Moments {
+    double sum[6][6];
+    double shift[9];
+    double shift2;
+};
+
+void add_edge(Moments &moments, const Row &row, double lever2, double depth, double weight)
+{
+    const double *l = row.l;
     const double lines[6] = {weight * l[0] * l[0], weight * l[0] * l[1], weight * l[0] * l[2],
                              weight * l[1] * l[1], weight * l[1] * l[2], weight * l[2] * l[2]};
-    const double points[6] = {X * X + dX2, X * Y, X, Y * Y + dY2, Y, 1.0};
+    const double points[6] = {row.X * row.X + (row.along_x ? lever2 : 0.0), row.X * row.Y, row.X,
+                              row.Y * row.Y + (row.along_x ? 0.0 : lever2), row.Y, 1.0};
     for (int a = 0; a < 6; ++a) {
         for (int b = 0; b < 6; ++b) {
             moments.sum[a][b] += lines[a] * points[b];
         }
     }
+    const double shift = depth * row.shift;
+    const double weighted = weight * shift;
+    for (int a = 0; a < 3; ++a) {
+        moments.shift[3 * a] += weighted * l[a] * row.X;
+        moments.shift[3 * a + 1] += weighted * l[a] * row.Y;
+        moments.shift[3 * a + 2] += weighted * l[a];
+    }
+    moments.shift2 += weighted * shift;
 }
 
-bool solve(const Moments &moments, double prior, Vec8 &h)
+/* `slope`: the usual size of the depth's slopes. */
+bool solve(const Moments &moments, double slope, Vec9 &h)
 {
     static const int UNIQUE[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};
-    Eigen::Matrix<double, 9, 9> full;
-    for (int a = 0; a < 9; ++a) {
-        for (int b = 0; b < 9; ++b) {
-            full(a, b) = moments.sum[UNIQUE[a / 3][b / 3]][UNIQUE[a % 3][b % 3]];
+    Mat9 matrix;
+    Vec9 right;
+    for (int a = 0; a < 8; ++a) {
+        for (int b = 0; b < 8; ++b) {
+            matrix(a, b) = moments.sum[UNIQUE[a / 3][b / 3]][UNIQUE[a % 3][b % 3]];
         }
+        matrix(a, 8) = matrix(8, a) = moments.shift[a];
+        right[a] = moments.sum[UNIQUE[a / 3][2]][UNIQUE[a % 3][2]];
     }
-    Mat8 matrix = full.topLeftCorner<8, 8>();
-    matrix(6, 6) += prior;
-    matrix(7, 7) += prior;
-    const Vec8 diagonal = matrix.diagonal();
+    matrix(8, 8) = moments.shift2;
+    right[8] = moments.shift[8];
+    matrix(6, 6) += 1.0 / (slope * slope);
+    matrix(7, 7) += 1.0 / (slope * slope);
+    const Vec9 diagonal = matrix.diagonal();
     if (!(diagonal.minCoeff() > 0.0)) {
         return false;
     }
-    const Vec8 unit = diagonal.cwiseSqrt().cwiseInverse();
-    Mat8 scaled = unit.asDiagonal() * matrix * unit.asDiagonal();
+    const Vec9 unit = diagonal.cwiseSqrt().cwiseInverse();
+    Mat9 scaled = unit.asDiagonal() * matrix * unit.asDiagonal();
     scaled.diagonal().array() += 1e-13;
-    const Eigen::LLT<Mat8> factor(scaled);
+    const Eigen::LLT<Mat9> factor(scaled);
     if (factor.info() != Eigen::Success) {
         return false;
     }
-    const Vec8 right = full.topRightCorner<8, 1>();
     h = -(unit.asDiagonal() * factor.solve(unit.asDiagonal() * right));
     return h.allFinite();
+}
+
+double depth_at(const Vec9 &h, const Row &row)
+{
+    return std::max(0.1, 1.0 + h[6] * row.X + h[7] * row.Y);
+}
+
+double residual_at(const Vec9 &h, const Row &row, double depth)
+{
+    const double x = h[0] * row.X + h[1] * row.Y + h[2];
+    const double y = h[3] * row.X + h[4] * row.Y + h[5];
+    const double last = 1.0 + h[6] * row.X + h[7] * row.Y;
+    return (row.l[0] * x + row.l[1] * y + row.l[2] * last) / depth + h[8] * row.shift;
+}
+
+/* One weighted fit after another, the first with equal weights. */
+bool fit_homography(const EdgeSet &set, uint32_t n, const opms_edge_t *edges, const Units &units,
+                    Vec9 &h)
+{
+    double z[EdgeSet::CAPACITY];
+    const double lever = LEVER_M / units.plane;
+    for (int pass = 0; pass < PASSES; ++pass) {
+        const double scale = pass > 0 ? robust_scale(z, n) : 0.0;
+        Moments moments = {};
+        for (uint32_t i = 0; i < n; ++i) {
+            const Row row = row_of(set, i, edges, units);
+            double weight = row.shift > 0.0 ? 1.0 : 0.0;
+            double depth = 1.0;
+            if (pass > 0) {
+                const double part = z[i] / (2.0 * scale);
+                depth = depth_at(h, row);
+                weight /= (1.0 + part * part) * depth * depth;
+            }
+            add_edge(moments, row, lever * lever, depth, weight);
+        }
+        if (!solve(moments, SLOPE_PER_M * units.plane, h)) {
+            return false;
+        }
+        for (uint32_t i = 0; i < n && pass + 1 < PASSES; ++i) {
+            const Row row = row_of(set, i, edges, units);
+            z[i] = residual_at(h, row, depth_at(h, row));
+        }
+    }
+    return true;
 }
 
 } // namespace
@@ -114,43 +198,9 @@ bool solve(const Moments &moments, double prior, Vec8 &h)
 bool homography_start(const EdgeSet &set, uint32_t n, const opms_edge_t *edges, PlaneView &view)
 {
     Units units;
-    if (n < 8 || !choose_units(set, n, units)) {
+    Vec9 h;
+    if (n < 8 || !choose_units(set, n, units) || !fit_homography(set, n, edges, units, h)) {
         return false;
-    }
-    double z[EdgeSet::CAPACITY], depth[EdgeSet::CAPACITY];
-    const double lever = LEVER_M / units.plane;
-    Vec8 h;
-    double scale = 0.0; // 0: no residuals yet
-    for (int pass = 0; pass < PASSES; ++pass) {
-        Moments moments = {};
-        for (uint32_t i = 0; i < n; ++i) {
-            const double l[3] = {set.mx[i] * units.ray, set.my[i] * units.ray,
-                                 set.mx[i] * units.x0 + set.my[i] * units.y0 - set.c[i]};
-            double weight = set.is[i] > 0.0 ? 1.0 : 0.0;
-            if (scale > 0.0) {
-                const double part = z[i] / (2.0 * scale);
-                weight /= (1.0 + part * part) * depth[i] * depth[i];
-            }
-            const int side = edges[set.order[i]].side;
-            const double along_x = (side & 1) ? lever * lever : 0.0;
-            const double along_y = (side & 1) ? 0.0 : lever * lever;
-            add_edge(moments, l, (set.X[i] - units.X0) / units.plane,
-                     (set.Y[i] - units.Y0) / units.plane, along_x, along_y, weight);
-        }
-        const double slope = SLOPE_PER_M * units.plane;
-        if (!solve(moments, 1.0 / (slope * slope), h)) {
-            return false;
-        }
-        for (uint32_t i = 0; i < n && pass + 1 < PASSES; ++i) {
-            const double X = (set.X[i] - units.X0) / units.plane;
-            const double Y = (set.Y[i] - units.Y0) / units.plane;
-            const double lx = set.mx[i] * units.ray, ly = set.my[i] * units.ray;
-            const double lc = set.mx[i] * units.x0 + set.my[i] * units.y0 - set.c[i];
-            depth[i] = std::max(0.1, 1.0 + h[6] * X + h[7] * Y);
-            z[i] = (lx * (h[0] * X + h[1] * Y + h[2]) + ly * (h[3] * X + h[4] * Y + h[5])) /
-                       depth[i] + lc;
-        }
-        scale = pass + 1 < PASSES ? robust_scale(z, n) : scale;
     }
     view.centre_m[0] = units.X0;
     view.centre_m[1] = units.Y0;
@@ -161,6 +211,7 @@ bool homography_start(const EdgeSet &set, uint32_t n, const opms_edge_t *edges, 
     view.jac[1] = (h[1] - h[2] * h[7]) * per_metre;
     view.jac[2] = (h[3] - h[5] * h[6]) * per_metre;
     view.jac[3] = (h[4] - h[5] * h[7]) * per_metre;
+    view.shift_px = h[8];
     return true;
 }
 

@@ -13,6 +13,7 @@ struct PlaneView {
     double centre_m[2]; /**< bar point */
     double ray[2];      /**< its ray (x, y) */
     double jac[4];      /**< row-major d(x, y)/d(X, Y) there, per metre */
+    double shift_px;    /**< common outward shift of the edges */
 };
 
 /** Fit the homography to the first n edges, robustly.

@@ -71,6 +71,7 @@ bool planar_poses(const PlaneView &view, Placement poses[2])
     rotation.col(2) = rotation.col(0).cross(rotation.col(1));
     poses[0] = placement_of(turn * orthonormal(rotation), sight / inverse_depth, view.centre_m[0],
                             view.centre_m[1]);
+    poses[0].shift_px = view.shift_px;
     poses[1] = planar_mirror(poses[0], view.centre_m[0], view.centre_m[1]);
     return poses[0].R.allFinite() && poses[0].t.allFinite() && poses[1].R.allFinite() &&
            poses[1].t.allFinite();

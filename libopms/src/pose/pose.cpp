@@ -60,6 +60,9 @@ opms_status_t check_edge(const opms_edge_t &edge, int32_t index, opms_error_t *e
     if (!(edge.sigma_px > 0.0 && edge.sigma_px < 1e6)) {
         return fail_arg(err, index, "edges[].sigma_px is not above 0 and finite");
     }
+    if (!(edge.shift_gain >= 0.0 && edge.shift_gain < 1e3)) {
+        return fail_arg(err, index, "edges[].shift_gain is negative or not finite");
+    }
     return OPMS_OK;
 }
 

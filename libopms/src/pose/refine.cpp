@@ -54,13 +54,28 @@ bool solve_step(const Normal &normal, double damping, Vec7 &step)
     return step.allFinite();
 }
 
-Placement moved(const Placement &from, const Vec7 &step)
+/* The bar point `pivot` moves linearly in the camera frame, so that a large rotation swings the
+ * camera around the bar as it should, instead of flying off along the tangent. */
+Placement moved(const Placement &from, const Vec7 &step, const Vec3 &pivot)
 {
+    const Vec3 w = step.head<3>();
+    const Vec3 seen = from.R.transpose() * (pivot - from.t);
+    const Vec3 seen_then = seen + seen.cross(w) - step.segment<3>(3);
     Placement to;
-    to.R = orthonormal(from.R * rotation_exp(step.head<3>()));
-    to.t = from.t + from.R * step.segment<3>(3);
+    to.R = orthonormal(from.R * rotation_exp(w));
+    to.t = pivot - to.R * seen_then;
     to.shift_px = from.shift_px + step[6];
     return to;
+}
+
+Vec3 middle_of(const EdgeSet &set, uint32_t n)
+{
+    Vec3 sum = Vec3::Zero();
+    for (uint32_t i = 0; i < n; ++i) {
+        sum.x() += set.X[i];
+        sum.y() += set.Y[i];
+    }
+    return sum / n;
 }
 
 /* A better fit shows smaller residuals: follow them down. */
@@ -181,13 +196,14 @@ void refine(const EdgeSet &set, uint32_t n, int iterations_max, Fit &fit)
     fit.scale = robust_scale(z, some);
     fit.converged = false;
     normal_equations(set, n, fit.placement, fit.scale, fit.normal);
+    const Vec3 pivot = middle_of(set, n);
     double damping = 0.0;
     for (int i = 0; i < iterations_max && fit.normal.in_front && !fit.converged; ++i) {
         Vec7 step;
         Fit trial = fit;
         bool better = false;
         if (solve_step(fit.normal, damping, step)) {
-            trial.placement = moved(fit.placement, step);
+            trial.placement = moved(fit.placement, step, pivot);
             normal_equations(set, n, trial.placement, trial.scale, trial.normal);
             better = trial.normal.in_front && trial.normal.cost <= fit.normal.cost + CONVERGED;
         }
@@ -195,10 +211,10 @@ void refine(const EdgeSet &set, uint32_t n, int iterations_max, Fit &fit)
             const double promised = -step.dot(fit.normal.gradient);
             trial.converged = promised < CONVERGED * fit.scale * fit.scale;
             fit = trial;
-            damping = damping > 1e-6 ? 0.1 * damping : 0.0;
+            damping = damping > 1e-5 ? 0.1 * damping : 0.0;
             follow_scale(set, n, fit);
         } else {
-            damping = std::max(1e-4, 10.0 * damping);
+            damping = std::max(1e-3, 10.0 * damping);
             if (damping > DAMPING_MAX) {
                 break;
             }

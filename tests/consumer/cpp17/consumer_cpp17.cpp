@@ -35,6 +35,7 @@ std::vector<opms_edge_t> measured_edges(const opms_lens_t &lens)
                 edge.normal[0] = n[1];
                 edge.normal[1] = n[0];
                 edge.sigma_px = 0.01;
+                edge.shift_gain = 1.0;
                 edges.push_back(edge);
             }
         }
