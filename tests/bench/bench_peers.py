@@ -11,6 +11,7 @@ from __future__ import annotations
 import ctypes
 import importlib.metadata
 import time
+import warnings
 from dataclasses import dataclass
 from typing import Callable
 
@@ -23,6 +24,9 @@ Detection = dict[int, np.ndarray]
 Detect = Callable[[np.ndarray], tuple[Detection, float]]
 # Print's top left, top right, bottom right, bottom left -> bar's order (top is -X, left is -Y).
 _FROM_CLOCKWISE = [0, 3, 2, 1]
+# AprilTag begins at the bottom left and goes to the bottom right; Napa begins at the bottom right.
+_FROM_APRILTAG = [3, 0, 1, 2]
+_FROM_NAPA = [2, 1, 0, 3]
 
 
 @dataclass(frozen=True)
@@ -75,16 +79,18 @@ def apriltag(decimate: float) -> Peer:
     handle.contents.decode_sharpening = 0.25
 
     def detect(image: np.ndarray) -> tuple[Detection, float]:
-        picture = detector._convert_image(image)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # of numpy, about the binding's view of its buffer
+            picture = detector._convert_image(image)
         start = time.perf_counter()
         found = library.apriltag_detector_detect(handle, picture)
         seconds = time.perf_counter() - start
         result, tag = {}, ctypes.POINTER(binding._ApriltagDetection)()
         for i in range(found.contents.size):
             binding.zarray_get(found, i, ctypes.byref(tag))
-            corners = np.ctypeslib.as_array(tag.contents.p, shape=(4, 2)) - 0.5
+            corners = np.array([tuple(p) for p in tag.contents.p]) - 0.5
             if tag.contents.id < SQUARES:
-                result[int(tag.contents.id)] = corners[[3, 0, 1, 2]].copy()
+                result[int(tag.contents.id)] = corners[_FROM_APRILTAG].copy()
         library.apriltag_detections_destroy(found)
         library.image_u8_destroy(picture)
         return result, seconds
@@ -111,10 +117,6 @@ def napa(min_tag_px: int) -> Peer:
                 for r in results[:max(count, 0)] if r.id < SQUARES}, seconds
 
     return Peer(f"Napa {release}, tags from {min_tag_px} px", "apriltag33", detect)
-
-
-# Napa's order is AprilTag's: bottom left, bottom right, top right, top left of the print.
-_FROM_NAPA = [3, 0, 1, 2]
 
 
 def all_peers(with_napa: bool) -> list[Peer]:

@@ -58,7 +58,8 @@ def marker_bits(kind: str, index: int) -> np.ndarray:
     else:
         name, cells = cv2.aruco.DICT_4X4_50, 6
     marker = cv2.aruco.generateImageMarker(cv2.aruco.getPredefinedDictionary(name), index, cells)
-    return marker < 128
+    # OpenCV's AprilTag markers stand on their heads: libapriltag says which way is up.
+    return marker[::-1, ::-1] < 128 if kind == "apriltag33" else marker < 128
 
 
 def rectangle(pattern: np.ndarray, x_mm: float, y_mm: float, size_x: float, size_y: float) -> None:

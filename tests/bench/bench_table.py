@@ -1,0 +1,180 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The peers' table: time and accuracy of every detector on the same scenes, on one core."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import cv2
+import numpy as np
+
+from bench_geometry import Pose, pose_error
+from bench_limit import edge_information, scene_limit
+from bench_peers import Peer
+from bench_pose import solve_corners, solve_with_shift
+from bench_render import KINDS, Light, digitise, render_clean, smooth_ground
+from bench_scenes import Scene
+from bench_stats import rms
+from bench_truth import Truth
+
+
+@dataclass
+class Entry:
+    """One detector on one scene."""
+
+    detector: str
+    scene: str
+    pictures: int = 0
+    missing: str = ""
+    times_ms: list[float] = field(default_factory=list)
+    errors: list[np.ndarray] = field(default_factory=list)    # detector's (w, d)
+    shifted: list[np.ndarray] = field(default_factory=list)   # with the common edge shift
+    limits_mm: list[float] = field(default_factory=list)      # of the located pictures
+
+    @property
+    def median_ms(self) -> float:
+        return float(np.median(self.times_ms)) if self.times_ms else float("nan")
+
+    @property
+    def position_mm(self) -> float:
+        return rms([np.linalg.norm(e[3:]) * 1e3 for e in self.errors])
+
+    @property
+    def shifted_mm(self) -> float:
+        return rms([np.linalg.norm(e[3:]) * 1e3 for e in self.shifted])
+
+    @property
+    def position_max_mm(self) -> float:
+        return max((np.linalg.norm(e[3:]) * 1e3 for e in self.errors), default=float("nan"))
+
+    @property
+    def angle_deg(self) -> float:
+        return float(np.degrees(rms([np.linalg.norm(e[:3]) for e in self.errors])))
+
+    @property
+    def ratio(self) -> float:
+        return self.position_mm / rms(self.limits_mm) if self.limits_mm else float("nan")
+
+
+def draw(scene: Scene, light: Light, seed: int, kinds=KINDS) -> dict[str, list[np.ndarray]]:
+    """Pictures by kind of bar; ground and noise are alike for all kinds."""
+    pictures: dict[str, list[np.ndarray]] = {kind: [] for kind in kinds}
+    for i, truth in enumerate(scene.truths):
+        ground = smooth_ground(truth.lens, np.random.default_rng((seed, i, 0)), light)
+        for kind in kinds:
+            clean = render_clean(kind, truth.lens, truth.bar_camera, ground, light)
+            noise = np.random.default_rng((seed, i, 1))
+            pictures[kind].append(digitise(clean, light.noise, noise))
+    return pictures
+
+
+def limits_of(scene: Scene, light: Light) -> list[float]:
+    p = light.photometry
+    found = [scene_limit(t, edge_information(p.contrast, p.noise, p.blur_px))
+             for t in scene.truths]
+    return [limit.position_mm if limit else float("nan") for limit in found]
+
+
+def detector_error(truth: Truth, bar_camera: Pose) -> np.ndarray:
+    def place(pose: Pose) -> Pose:
+        return truth.ground_bar @ pose @ truth.camera_detector
+    return pose_error(place(truth.bar_camera), place(bar_camera))
+
+
+def measure_peer(peer: Peer, scene: Scene, pictures: list[np.ndarray], limits: list[float],
+                 repeats: int) -> Entry:
+    entry = Entry(peer.name, scene.name, len(pictures), peer.missing)
+    if peer.detect is None:
+        return entry
+    cv2.setNumThreads(1)
+    peer.detect(pictures[0])
+    for repeat in range(repeats):
+        for truth, picture, limit in zip(scene.truths, pictures, limits):
+            tags, seconds = peer.detect(picture)
+            entry.times_ms.append(seconds * 1e3)
+            if repeat:
+                continue
+            pose = solve_corners(truth.lens, tags)
+            if pose is None:
+                continue
+            entry.errors.append(detector_error(truth, pose))
+            shifted = solve_with_shift(truth.lens, tags, pose)
+            entry.shifted.append(detector_error(truth, shifted))
+            entry.limits_mm.append(limit)
+    return entry
+
+
+def run_bench_locate(program: Path, scene: Scene, pictures: list[np.ndarray], folder: Path,
+                     repeats: int, follow: bool) -> list[dict]:
+    """Rows of bench_locate; raises where it fails."""
+    folder.mkdir(parents=True, exist_ok=True)
+    lens = scene.truths[0].lens
+    numbers = (lens.width, lens.height, lens.fx, lens.fy, lens.cx, lens.cy, lens.k1, lens.k2,
+               lens.p1, lens.p2, np.radians(scene.truths[0].tilt_deg))
+    lines = [" ".join(repr(n) if isinstance(n, int) else repr(float(n)) for n in numbers)]
+    for i, picture in enumerate(pictures):
+        path = folder / f"{scene.name}_{i:04d}.raw"
+        path.write_bytes(picture.tobytes())
+        lines.append(str(path))
+    try:
+        done = subprocess.run([str(program), str(repeats), str(int(follow))],
+                              input="\n".join(lines) + "\n", capture_output=True, text=True,
+                              timeout=1800)
+    finally:
+        for line in lines[1:]:
+            Path(line).unlink()
+    if done.returncode:
+        raise RuntimeError(done.stderr.strip()[-300:] or f"exit {done.returncode}")
+    return [json.loads(line) for line in done.stdout.splitlines()]
+
+
+LIBOPMS_MODES = {"cold": "libopms", "warm": "libopms, same picture again",
+                 "follow": "libopms, following"}
+
+
+def measure_libopms(program: Path, scene: Scene, pictures: list[np.ndarray],
+                    limits: list[float], folder: Path, repeats: int,
+                    follow: bool) -> list[Entry]:
+    try:
+        rows = run_bench_locate(program, scene, pictures, folder, repeats, follow)
+    except (OSError, RuntimeError) as error:
+        return [Entry("libopms", scene.name, len(pictures), str(error))]
+    entries = {}
+    for row in rows:
+        entry = entries.setdefault(
+            row["mode"], Entry(LIBOPMS_MODES[row["mode"]], scene.name, len(pictures)))
+        entry.times_ms += [t / 1e3 for t in row["us"]]
+        if "R" in row:
+            truth = scene.truths[row["picture"]]
+            found = Pose(np.reshape(row["R"], (3, 3)), np.array(row["t"]))
+            entry.errors.append(detector_error(truth, found))
+            entry.limits_mm.append(limits[row["picture"]])
+    return list(entries.values())
+
+
+def entries_markdown(entries: list[Entry]) -> str:
+    lines = ["| detector | located | ms median | p95 | max | position RMS mm | max | "
+             "with edge shift | angle RMS deg | ratio to limit |",
+             "|---|---|---|---|---|---|---|---|---|---|"]
+    for e in entries:
+        if e.missing:
+            lines.append(f"| {e.detector} | not available: {e.missing[:80]} |" + " |" * 8)
+            continue
+        p95, most = np.percentile(e.times_ms, 95), max(e.times_ms)
+        shifted = f"{e.shifted_mm:.3f}" if e.shifted else "(built in)"
+        lines.append(f"| {e.detector} | {len(e.errors)}/{e.pictures} | {e.median_ms:.3f} | "
+                     f"{p95:.3f} | {most:.3f} | {e.position_mm:.3f} | {e.position_max_mm:.2f} | "
+                     f"{shifted} | {e.angle_deg:.4f} | {e.ratio:.2f} |")
+    return "\n".join(lines)
+
+
+def entry_to_json(entry: Entry) -> dict:
+    return {"detector": entry.detector, "scene": entry.scene, "pictures": entry.pictures,
+            "missing": entry.missing, "located": len(entry.errors), "median_ms": entry.median_ms,
+            "p95_ms": float(np.percentile(entry.times_ms, 95)) if entry.times_ms else None,
+            "max_ms": max(entry.times_ms, default=None), "position_rms_mm": entry.position_mm,
+            "position_max_mm": float(entry.position_max_mm), "shifted_rms_mm": entry.shifted_mm,
+            "angle_rms_deg": entry.angle_deg, "ratio_to_limit": entry.ratio}
