@@ -312,6 +312,10 @@ class BarSummary:
         """Edges measured."""
 
     @property
+    def followed(self) -> bool:
+        """The bar was found where the hint said."""
+
+    @property
     def label_margin(self) -> float:
         """Log-likelihood ratio of the labels to the next best; 0 if none."""
 
@@ -354,7 +358,8 @@ class BarDetection:
         Measured stretches of the squares' sides, (N,) of opms.EDGE_DTYPE.
 
         side 0: X = -10 mm, 1: Y = -10 mm, 2: X = +10 mm, 3: Y = +10 mm; bar_m: (X, Y) in the bar plane;
-        normal: unit normal in the picture, out of the square; sigma_px: along the normal.
+        normal: unit normal in the picture, out of the square; sigma_px: along the normal; shift_gain: pixels
+        by which the edge moves when the common edge shift grows by one.
         """
 
 class BarDetector:

@@ -85,6 +85,9 @@ void bind_summary(nb::module_ &module)
         .def_ro("state", &opms_bar_summary_t::state, "A BarState.")
         .def_ro("square_count", &opms_bar_summary_t::square_count, "Squares found.")
         .def_ro("edge_count", &opms_bar_summary_t::edge_count, "Edges measured.")
+        .def_prop_ro(
+            "followed", [](const opms_bar_summary_t &self) { return self.followed != 0; },
+            "The bar was found where the hint said.")
         .def_ro("label_margin", &opms_bar_summary_t::label_margin,
                 "Log-likelihood ratio of the labels to the next best; 0 if none.")
         .def_prop_ro(
@@ -117,7 +120,8 @@ corners_px: (N, 4, 2), in the order (-X,-Y), (+X,-Y), (+X,+Y), (-X,+Y) of the ba
             R"(Measured stretches of the squares' sides, (N,) of opms.EDGE_DTYPE.
 
 side 0: X = -10 mm, 1: Y = -10 mm, 2: X = +10 mm, 3: Y = +10 mm; bar_m: (X, Y) in the bar plane;
-normal: unit normal in the picture, out of the square; sigma_px: along the normal.)");
+normal: unit normal in the picture, out of the square; sigma_px: along the normal; shift_gain: pixels
+by which the edge moves when the common edge shift grows by one.)");
 
     nb::class_<BarDetector>(module, "BarDetector", R"(Finds bars of kind hope33; holds all memory.
 
