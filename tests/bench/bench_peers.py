@@ -79,9 +79,7 @@ def apriltag(decimate: float) -> Peer:
     handle.contents.decode_sharpening = 0.25
 
     def detect(image: np.ndarray) -> tuple[Detection, float]:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # of numpy, about the binding's view of its buffer
-            picture = detector._convert_image(image)
+        picture = detector._convert_image(image)
         start = time.perf_counter()
         found = library.apriltag_detector_detect(handle, picture)
         seconds = time.perf_counter() - start
@@ -102,7 +100,9 @@ def napa(min_tag_px: int) -> Peer:
     try:
         from napa_vision import NapaDetector
         release = version_of("napa-vision")
-        detector = NapaDetector(min_tag_px=min_tag_px)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # of numpy, about the binding's view of its buffer
+            detector = NapaDetector(min_tag_px=min_tag_px)
     except (ImportError, RuntimeError, MemoryError) as error:
         return Peer("Napa", "apriltag33", None, str(error))
     library, results = detector._library, detector._results

@@ -96,23 +96,28 @@ def plot(scenes: list[Scene], entries: list[Entry], limits: dict[str, float], pa
     import matplotlib.pyplot as plt
 
     shown = [s for s in scenes if s.name != "sweep"]
-    figure, axes = plt.subplots(2, len(shown), figsize=(6.2 * len(shown), 6.4), squeeze=False,
+    figure, axes = plt.subplots(2, len(shown), figsize=(6.4 * len(shown), 6.4), squeeze=False,
                                 layout="constrained", sharey="col")
     for column, scene in enumerate(shown):
         own = [e for e in entries if e.scene == scene.name and not e.missing][::-1]
-        names = [e.detector for e in own]
-        colours = ["tab:orange" if n.startswith("libopms") else "tab:blue" for n in names]
-        for axis, values, form in ((axes[0, column], [e.median_ms for e in own], "{:.2f}"),
-                                   (axes[1, column], [e.position_mm for e in own], "{:.2f}")):
-            bars = axis.barh(names, np.nan_to_num(values, nan=0.0), color=colours)
-            axis.set_xscale("log")
-            axis.bar_label(bars, [form.format(v) for v in values], padding=2, fontsize=8)
-            axis.margins(x=0.15)
-            axis.tick_params(axis="y", labelsize=8)
-        axes[0, column].set_title(scene.title, fontsize=9)
+        bars(axes[0, column], own, [e.median_ms for e in own], [f"{e.median_ms:.2f}" for e in own])
+        bars(axes[1, column], own, [e.position_mm for e in own],
+             [f"{e.position_mm:.2f} ({len(e.errors)}/{e.pictures})" for e in own])
+        axes[0, column].set_title(scene.title.replace(", ", ",\n", 1), fontsize=9)
         axes[0, column].set_xlabel("median time of a picture, ms")
         axes[1, column].axvline(limits[scene.name], color="k", lw=1, ls="--", label="limit")
         axes[1, column].legend(fontsize=8, loc="lower right")
-        axes[1, column].set_xlabel("position RMS of the located pictures, mm")
+        axes[1, column].set_xlabel("position RMS, mm (located pictures)")
     figure.savefig(path, dpi=100)
     plt.close(figure)
+
+
+def bars(axis, entries: list[Entry], values: list[float], labels: list[str]) -> None:
+    """One bar a detector from a common left end, so that lengths compare on the log axis."""
+    names = [e.detector for e in entries]
+    colours = ["tab:orange" if n.startswith("libopms") else "tab:blue" for n in names]
+    drawn = axis.barh(names, np.nan_to_num(values, nan=0.0), color=colours)
+    axis.set_xscale("log")
+    axis.set_xlim(0.03, 4 * max(np.nanmax(values), 1.0) if values else 1.0)
+    axis.bar_label(drawn, labels, padding=2, fontsize=8)
+    axis.tick_params(axis="y", labelsize=8)

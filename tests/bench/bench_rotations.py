@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import json
 import shutil
 import sys
 from dataclasses import replace
@@ -17,7 +18,7 @@ from bench_locate_cli import Row, compare, run_locate
 from bench_photometry import measure
 from bench_render import Light, digitise, render_clean, smooth_ground, write_scene
 from bench_scenes import HOPE_LENS, axis_rotation
-from bench_truth import Truth, find_scenes, write_camera_yaml
+from bench_truth import Truth, find_scenes, truth_to_json, write_camera_yaml
 
 ROTATIONS_DEG = range(0, 360, 30)
 MOST_MOVED_MM = 0.3
@@ -103,20 +104,16 @@ def rotations(binary: Path, folders: list[Path], work: Path) -> bool:
 
 
 def rotate_picture(binary: Path, truth: Truth, work: Path) -> dict:
+    """Pictures that were not located or have wrong labels stay in the folder, with their truth."""
     image = cv2.imread(str(truth.image), cv2.IMREAD_GRAYSCALE)
     whole = whole_squares(truth)
     line = {"located": 0, "wrong": 0, "lost": 0, "gained": 0, "moved": 0.0}
     reference = None
     for angle in ROTATIONS_DEG:
-        turned, picture = rotated(truth, image, angle, work / f"{truth.image.stem}_{angle}.png")
-        cv2.imwrite(str(turned.image), picture)
-        camera = work / "camera.yaml"
-        write_camera_yaml(camera, turned.lens, turned.detector_camera)
-        row, squares = locate_one(binary, turned, camera)
-        turned.image.unlink()
+        row, squares = locate_rotated(binary, truth, image, angle, work)
         line["wrong"] += row.wrong_labels
         if not row.located:
-            print(f"{turned.image.name}: {row.state} {row.reason}", file=sys.stderr)
+            print(f"{row.image}: {row.state} {row.reason}", file=sys.stderr)
             continue
         line["located"] += 1
         if reference is None:
@@ -127,6 +124,20 @@ def rotate_picture(binary: Path, truth: Truth, work: Path) -> dict:
         moved = row.detector_error[3:] - reference[0].detector_error[3:]
         line["moved"] = max(line["moved"], float(np.linalg.norm(moved)) * 1e3)
     return line
+
+
+def locate_rotated(binary: Path, truth: Truth, image: np.ndarray, angle: int,
+                   work: Path) -> tuple[Row, set[int]]:
+    folder = work / "rotations" / f"{truth.image.stem}_{angle:03d}"
+    folder.mkdir(parents=True, exist_ok=True)
+    turned, picture = rotated(truth, image, angle, folder / f"{folder.name}.png")
+    cv2.imwrite(str(turned.image), picture)
+    turned.image.with_suffix(".json").write_text(json.dumps(truth_to_json(turned), indent=1))
+    write_camera_yaml(folder / "camera.yaml", turned.lens, turned.detector_camera)
+    row, squares = locate_one(binary, turned, folder / "camera.yaml")
+    if row.located and not row.wrong_labels:
+        shutil.rmtree(folder)
+    return row, squares
 
 
 def view_truth(image: Path, distance: float, oblique_deg: float, roll_deg: float,
