@@ -18,7 +18,18 @@ namespace opms_host {
 namespace {
 
 constexpr long SIDE_MAX_PX = 16384;
+constexpr std::size_t MESSAGE_CHARS_MAX = 300;
 constexpr double ROTATION_TOLERANCE = 1e-6; /* that of opms_camera_check() */
+
+/** A message may quote what the file says: keep it one line, short, and harmless to a terminal. */
+std::string one_line(const std::string &message)
+{
+    std::string line = message.substr(0, MESSAGE_CHARS_MAX);
+    std::replace_if(
+        line.begin(), line.end(),
+        [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; }, '?');
+    return line;
+}
 
 /** A ROS matrix: {rows, cols, data}. @p rows or @p cols 0 means any up to 16. */
 std::vector<double> read_matrix(const FieldMap &parent, const char *key, long rows, long cols)
@@ -175,8 +186,8 @@ void note_unknown_keys(const FieldMap &opms, CameraFile &file)
             return entry.first == key;
         });
         if (!found) {
-            file.notes.push_back(opms.get(entry.first).where().substr(0, 80) +
-                                 " is unknown and ignored");
+            file.notes.push_back(one_line(opms.get(entry.first).where().substr(0, 80) +
+                                          " is unknown and ignored"));
         }
     }
 }
@@ -264,11 +275,12 @@ bool camera_file_parse(const void *bytes, std::size_t size, CameraFile &file,
         file = parse(size == 0 ? std::string() : std::string(text, size));
         return true;
     } catch (const YAML::Exception &e) {
-        error = "line " + std::to_string(e.mark.line + 1) + ": is not valid YAML: " + e.msg;
+        error = one_line("line " + std::to_string(e.mark.line + 1) + ": is not valid YAML: " +
+                         e.msg);
     } catch (const std::bad_alloc &) {
         error = "out of memory"; /* short enough to need none */
     } catch (const std::exception &e) {
-        error = e.what();
+        error = one_line(e.what());
     }
     return false;
 }
