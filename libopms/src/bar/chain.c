@@ -104,7 +104,7 @@ static void predict(const struct chain_square *last, const struct chain_square *
 }
 
 static void grow_end(const view_t *view, float contrast, const quad_limits_t *limits,
-                     point_t *points, int direction, chain_t *chain)
+                     point_t *points, int direction, int most, chain_t *chain)
 {
     /* square[0] is the seed; this end's squares are appended as they are found. */
     struct chain_square last = chain->square[0], before = last;
@@ -115,7 +115,8 @@ static void grow_end(const view_t *view, float contrast, const quad_limits_t *li
             has_before = 1;
         }
     }
-    while (chain->count < CHAIN_MAX) {
+    const int room = chain->count + (most - chain->count + (direction > 0)) / (direction > 0 ? 2 : 1);
+    while (chain->count < room) {
         const int reach = has_before ? LONGEST_GAP : 2;
         int step = 1;
         for (; step <= reach; ++step) {
@@ -153,7 +154,7 @@ static void sort_by_place(chain_t *chain)
 }
 
 int chain_grow(const view_t *view, const quad_t *seed, float contrast, const quad_limits_t *limits,
-               point_t *points, chain_t *chain)
+               point_t *points, int most, chain_t *chain)
 {
     chain->count = 0;
     for (int axis = 0; axis < 2; ++axis) {
@@ -161,8 +162,8 @@ int chain_grow(const view_t *view, const quad_t *seed, float contrast, const qua
         for (int k = 0; k < 4; ++k) {
             row.square[0].corner[k] = seed->corner[(axis + 4 - k) & 3];
         }
-        grow_end(view, contrast, limits, points, 1, &row);
-        grow_end(view, contrast, limits, points, -1, &row);
+        grow_end(view, contrast, limits, points, 1, most, &row);
+        grow_end(view, contrast, limits, points, -1, most, &row);
         if (row.count > chain->count) {
             *chain = row;
         }

@@ -23,9 +23,10 @@ typedef struct chain {
 /** Grow a row from a seed along both of its axes and keep the longer one.
  *
  * @param contrast  Least grey levels from black to white.
+ * @param most      Squares after which the row is long enough, up to CHAIN_MAX.
  * @return The number of squares in the row, 1 where nothing stands beside the seed. */
 int chain_grow(const view_t *view, const quad_t *seed, float contrast, const quad_limits_t *limits,
-               point_t *points, chain_t *chain);
+               point_t *points, int most, chain_t *chain);
 
 /** Fit the row's map to rays, places times the pitch as Y; squares that do not fit are dropped.
  * Before that all sides are moved by their common shift, which is returned: saturated white and

@@ -364,6 +364,25 @@ static void summarise(const opms_bar_detector_t *d, const edge_scene_t *scene, d
     summary->white_fraction_saturated = pixels > 0 ? fmin(1, 2 * saturated / pixels) : 0;
 }
 
+/** Grow, fit and label a row from a seed; rows that are not decided are grown as far as they go. */
+static label_verdict_t label_row(opms_bar_detector_t *d, const quad_t *seed, float contrast, chain_t *chain,
+                                 plane_map_t *map, double *shift_px, labels_t *labels)
+{
+    static const int most[2] = {9, CHAIN_MAX};
+    label_verdict_t verdict = LABELS_NOT_A_BAR;
+    for (int i = 0; i < 2; ++i) {
+        const int grown = chain_grow(&d->view, seed, contrast, &d->limits, d->points, most[i], chain);
+        if (grown < 3 || !chain_fit(chain, &d->local_lens, d->ray_limit, map, shift_px) || chain->count < 3) {
+            return LABELS_NOT_A_BAR;
+        }
+        verdict = labels_decide(&d->view, chain, map, &d->local_lens, d->ray_limit, labels);
+        if (verdict == LABELS_CERTAIN || grown < most[i]) {
+            break;
+        }
+    }
+    return verdict;
+}
+
 /** From a seed to the located bar; the state says how far it came. */
 static opms_bar_state_t try_seed(opms_bar_detector_t *d, const quad_t *seed, float contrast,
                                  const opms_roi_t *roi, opms_bar_summary_t *summary)
@@ -371,13 +390,8 @@ static opms_bar_state_t try_seed(opms_bar_detector_t *d, const quad_t *seed, flo
     chain_t chain;
     plane_map_t map;
     double shift_px;
-    if (chain_grow(&d->view, seed, contrast, &d->limits, d->points, &chain) < 3 ||
-        !chain_fit(&chain, &d->local_lens, d->ray_limit, &map, &shift_px) || chain.count < 3) {
-        return OPMS_BAR_ABSENT;
-    }
     labels_t labels = {0, 0, 0};
-    const label_verdict_t verdict =
-        labels_decide(&d->view, &chain, &map, &d->local_lens, d->ray_limit, &labels);
+    const label_verdict_t verdict = label_row(d, seed, contrast, &chain, &map, &shift_px, &labels);
     if (verdict != LABELS_CERTAIN) {
         return verdict == LABELS_UNDECIDED ? OPMS_BAR_AMBIGUOUS : OPMS_BAR_ABSENT;
     }

@@ -205,19 +205,25 @@ static side_window_t window_of(const side_curve_t *curve, int side, float blur)
         window.outside = fmin(wide, (BAR_CELL_GAP_MM + 4.0) * curve->px_per_mm);
     } else {
         /* Beyond the bar lies the ground, of unknown brightness: stay off its blur. */
-        window.outside = fmin(wide, fmax(5.0 * curve->px_per_mm - 1.3 * (double)blur,
-                                         2.5 * curve->px_per_mm));
+        window.outside = fmin(wide, fmax(5.0 * curve->px_per_mm - 2.2 * (double)blur,
+                                         2.0 * curve->px_per_mm));
     }
     window.trim = fmin(0.5, (0.9 * (double)blur + 0.3) / curve->half_px);
     return window;
 }
 
-static int load_line(const view_t *view, int along_axis, int main, int first, int count, float *grey)
+static void load_pixels(const view_t *view, int along_axis, int main, int first, int count, float *grey)
 {
+    if (along_axis == 1 && !view->wide) {
+        const uint8_t *row = view->base + (ptrdiff_t)main * view->stride + first;
+        for (int k = 0; k < count; ++k) {
+            grey[k] = (float)row[k];
+        }
+        return;
+    }
     for (int k = 0; k < count; ++k) {
         grey[k] = (float)(along_axis == 0 ? view_at(view, main, first + k) : view_at(view, first + k, main));
     }
-    return count;
 }
 
 #define LINE_PIXELS_MAX 64
@@ -284,7 +290,7 @@ static int fit_side(const edge_scene_t *scene, int square, int side, stretch_t *
                 line.cell_far = (float)((BAR_CELL_GAP_MM + BAR_CELL_Y_MM) * curve.px_per_mm);
             }
             float grey[LINE_PIXELS_MAX];
-            load_line(view, curve.along_axis, main, first, line.count, grey);
+            load_pixels(view, curve.along_axis, main, first, line.count, grey);
             add_line(&sums, &line, grey, blur, saturation);
             along += tau;
             ++used;

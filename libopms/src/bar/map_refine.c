@@ -2,7 +2,6 @@
 #include "bar/map_refine.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "bar/bar_code.h"
@@ -10,34 +9,79 @@
 
 /* Passes of: measure the stretches where the map expects them, throw out those that cannot be a
  * side of this bar, fit map and common shift to the rest (Tukey's weights), take over the blur that
- * the profiles ask for. The range of squares grows with the range that has been confirmed, so that
- * the map is never asked for more than it knows. */
+ * the profiles ask for. The first passes scout with a few squares spread over the range that is
+ * known; the range grows with what has been confirmed, so that the map is never asked for more than
+ * it knows. Then all squares are measured, once if nothing moves any more. */
 
 #define UNKNOWNS 9
-#define PASSES_MOST 7
+#define SCOUTING_MOST 6
+#define SCOUTING_SQUARES 6
+#define SCOUTED_PX 0.12f    /* movement after which all squares are measured */
+#define PASSES_MOST 4
+#define SETTLED_PX 0.06f    /* movement after which no further pass is needed */
+#define BORDER_REACH_PX 40.0 /* a square's middle may lie this far outside and a side be seen */
+#define SCALE_SAMPLE 160
 #define TUKEY 4.685f
-#define SETTLED_PX 0.06f
 #define GOOD_LEAST 12
 #define BLUR_LEAST 0.35
 #define BLUR_MOST 4.0
 
-static int ascending(const void *a, const void *b)
-{
-    const float x = *(const float *)a, y = *(const float *)b;
-    return (x > y) - (x < y);
-}
-
+/** Median by selection, in place: a few of the values end up in order, the rest does not. */
 static float median(float *values, int count)
 {
-    qsort(values, (size_t)count, sizeof values[0], ascending);
-    return values[count / 2];
+    const int rank = count / 2;
+    int low = 0, high = count - 1;
+    while (low < high) {
+        const float pivot = values[(low + high) / 2];
+        int i = low, j = high;
+        while (i <= j) {
+            while (values[i] < pivot) {
+                ++i;
+            }
+            while (values[j] > pivot) {
+                --j;
+            }
+            if (i <= j) {
+                const float kept = values[i];
+                values[i++] = values[j];
+                values[j--] = kept;
+            }
+        }
+        if (rank <= j) {
+            high = j;
+        } else if (rank >= i) {
+            low = i;
+        } else {
+            break;
+        }
+    }
+    return values[rank];
 }
 
-static void measure(const edge_scene_t *scene, int first, int last, bar_fit_t *fit)
+/** Squares of a range that can be seen, at most `most` of them, evenly spread with both ends. */
+static int visible_squares(const edge_scene_t *scene, int from, int to, int most, int *index)
+{
+    int seen[OPMS_BAR_SQUARES], n = 0;
+    for (int k = from; k <= to; ++k) {
+        double px[2];
+        if (plane_map_project(&scene->map, scene->lens, scene->ray_limit, 0,
+                              BAR_PITCH_MM * (k - OPMS_BAR_ORIGIN), px, NULL) &&
+            view_holds(scene->view, px[0], px[1], -BORDER_REACH_PX)) {
+            seen[n++] = k;
+        }
+    }
+    const int count = n < most ? n : most;
+    for (int i = 0; i < count; ++i) {
+        index[i] = count == n ? seen[i] : seen[i * (n - 1) / (count - 1)];
+    }
+    return count;
+}
+
+static void measure(const edge_scene_t *scene, const int *index, int count, bar_fit_t *fit)
 {
     fit->count = 0;
-    for (int k = first; k <= last; ++k) {
-        fit->count += edge_fit_square(scene, k, &fit->stretch[fit->count]);
+    for (int i = 0; i < count; ++i) {
+        fit->count += edge_fit_square(scene, index[i], &fit->stretch[fit->count]);
     }
 }
 
@@ -125,7 +169,9 @@ static float residuals(bar_fit_t *fit, const double change[UNKNOWNS], float *scr
             model += (double)fit->row[i][k] * change[k];
         }
         fit->residual[i] = fit->stretch[i].offset_px - (float)model;
-        scratch[n++] = fabsf(fit->residual[i]) / fit->sigma[i];
+        if (n < SCALE_SAMPLE || i % 4 == 0) {
+            scratch[n++] = fabsf(fit->residual[i]) / fit->sigma[i];
+        }
     }
     const float scale = 1.4826f * median(scratch, n);
     return scale < 1.f ? 1.f : scale;
@@ -136,7 +182,7 @@ static int fit_map(bar_fit_t *fit, double change[UNKNOWNS], float *scale)
 {
     float scratch[OPMS_BAR_EDGES_MAX];
     *scale = residuals(fit, change, scratch) * 3.f; /* wide at first */
-    for (int round = 0; round < 4; ++round) {
+    for (int round = 0; round < 3; ++round) {
         double normal[UNKNOWNS * UNKNOWNS] = {0}, rhs[UNKNOWNS] = {0};
         for (int i = 0; i < fit->count; ++i) {
             if (!fit->good[i]) {
@@ -251,45 +297,70 @@ static int clamp_index(int k)
     return k < 0 ? 0 : k >= OPMS_BAR_SQUARES ? OPMS_BAR_SQUARES - 1 : k;
 }
 
+/** One pass over the given squares; 0 when too little agrees. Returns by how much the edges moved
+ * and the blur changed, and the range that was confirmed. */
+typedef struct pass_result {
+    float moved_px, blurred_px;
+    int low, high;
+} pass_result_t;
+
+static int run_pass(edge_scene_t *scene, const int *index, int count, float contrast, float reach_px,
+                    bar_fit_t *fit, pass_result_t *result)
+{
+    measure(scene, index, count, fit);
+    if (select_good(fit, contrast * 0.5f, reach_px, scene) < GOOD_LEAST) {
+        return 0;
+    }
+    linearise(scene, fit);
+    double change[UNKNOWNS] = {0};
+    float scale;
+    change[8] = scene->shift_px;
+    if (!fit_map(fit, change, &scale)) {
+        return 0;
+    }
+    result->moved_px = largest_change(fit, scene);
+    const double blur[2] = {scene->blur_px[0], scene->blur_px[1]};
+    update_blur(scene, fit);
+    update_gain(scene, fit);
+    result->blurred_px = (float)fmax(fabs(scene->blur_px[0] - blur[0]), fabs(scene->blur_px[1] - blur[1]));
+    if (confirm(fit, scale, &result->low, &result->high) < GOOD_LEAST || result->high <= result->low) {
+        return 0;
+    }
+    for (int k = 0; k < 8; ++k) {
+        scene->map.h[k] += change[k];
+    }
+    scene->shift_px = change[8];
+    return 1;
+}
+
 int map_refine(edge_scene_t *scene, int first, int last, float contrast, bar_fit_t *fit)
 {
     int from = clamp_index(first), to = clamp_index(last);
-    int stable = 0;
-    for (int pass = 0; pass < PASSES_MOST; ++pass) {
-        measure(scene, from, to, fit);
-        const float reach = pass == 0 ? 3.f : 2.f;
-        if (select_good(fit, contrast * 0.5f, reach, scene) < GOOD_LEAST) {
+    int index[OPMS_BAR_SQUARES];
+    pass_result_t result = {0, 0, from, to};
+    /* Scouting: few squares, until the range stands still and the blur is known. */
+    for (int pass = 0; pass < SCOUTING_MOST; ++pass) {
+        const int count = visible_squares(scene, from, to, SCOUTING_SQUARES, index);
+        if (!run_pass(scene, index, count, contrast, 3.f, fit, &result)) {
             return 0;
         }
-        linearise(scene, fit);
-        double change[UNKNOWNS] = {0};
-        float scale;
-        change[8] = scene->shift_px;
-        if (!fit_map(fit, change, &scale)) {
-            return 0;
-        }
-        const float moved = largest_change(fit, scene);
-        const float blur[2] = {(float)scene->blur_px[0], (float)scene->blur_px[1]};
-        update_blur(scene, fit);
-        update_gain(scene, fit);
-        int low, high;
-        if (confirm(fit, scale, &low, &high) < GOOD_LEAST || high - low < 1) {
-            return 0;
-        }
-        const float blurred = fmaxf(fabsf((float)scene->blur_px[0] - blur[0]),
-                                    fabsf((float)scene->blur_px[1] - blur[1]));
-        const int grow = 1 + (high - low) / 2;
-        const int next_from = clamp_index(low - grow), next_to = clamp_index(high + grow);
-        stable = moved < SETTLED_PX && blurred < 0.05f && next_from >= from && next_to <= to;
-        for (int k = 0; k < 8; ++k) {
-            scene->map.h[k] += change[k];
-        }
-        scene->shift_px = change[8];
-        if (stable) {
-            break;
-        }
+        const int grow = 1 + (result.high - result.low) / 2;
+        const int next_from = clamp_index(result.low - grow), next_to = clamp_index(result.high + grow);
+        const int known = next_from >= from && next_to <= to;
         from = next_from < from ? next_from : from;
         to = next_to > to ? next_to : to;
+        if (known && result.moved_px < SCOUTED_PX && result.blurred_px < SCOUTED_PX) {
+            break;
+        }
+    }
+    for (int pass = 0; pass < PASSES_MOST; ++pass) {
+        const int count = visible_squares(scene, from, to, OPMS_BAR_SQUARES, index);
+        if (!run_pass(scene, index, count, contrast, 2.f, fit, &result)) {
+            return 0;
+        }
+        if (result.moved_px < SETTLED_PX && result.blurred_px < SETTLED_PX) {
+            break;
+        }
     }
     return 1;
 }
