@@ -51,17 +51,20 @@ def arguments() -> argparse.Namespace:
                         help="leave Napa out (PolyForm Noncommercial licence)")
     parser.add_argument("--write-docs", action="store_true",
                         help="put table and plot into docs/bench.md and docs/bench.png")
-    parser.add_argument("--opms", type=Path, default=ROOT / "build/release/bin/opms")
-    parser.add_argument("--bench-locate", type=Path, help="a ready-made bench_locate")
+    parser.add_argument("--build", type=Path, default=ROOT / "build/release", metavar="DIR",
+                        help="release build to measure")
+    parser.add_argument("--opms", type=Path, help="another opms program than the build's")
     parser.add_argument("--work", type=Path, default=ROOT / "build/bench")
-    return parser.parse_args()
+    options = parser.parse_args()
+    options.opms = options.opms or options.build / "bin" / "opms"
+    return options
 
 
 def peers_table(options: argparse.Namespace, light: Light) -> bool:
     """The default: all detectors, both scenes, and the sweep for following."""
     count = options.count or (8 if options.quick else 60)
     repeats = 1 if options.quick else 3
-    program = options.bench_locate or build_bench_locate(ROOT / "build/release", options.work)
+    program = build_bench_locate(options.build, options.work)
     if not options.no_napa:
         install_napa()
     peers = all_peers(not options.no_napa)

@@ -21,6 +21,7 @@ from bench_truth import Photometry, Truth, truth_to_json
 
 SUBPIXELS = 4
 BAR_X_M, BAR_Y_M = 0.030, 1.000
+RIM_PX = 6  # drawn outside the picture, too, for the blur at its border
 CELL_M = 0.00025  # divides every cell of hope33 and apriltag33; ArUco cells cover some in part
 KINDS = ("hope33", "apriltag33", "aruco33")
 
@@ -106,8 +107,9 @@ def rectangle_exact(pattern: np.ndarray, x_mm: float, y_mm: float, size: float) 
 
 @lru_cache(maxsize=4)
 def pixel_rays(lens: Lens) -> np.ndarray:
-    """Normalised coordinates of all pixel centres and two pixels around, by Newton's method."""
-    u, v = np.meshgrid(np.arange(-2, lens.width + 2), np.arange(-2, lens.height + 2))
+    """Normalised coordinates of all pixel centres and of a rim around, by Newton's method."""
+    rim = RIM_PX + 2
+    u, v = np.meshgrid(np.arange(-rim, lens.width + rim), np.arange(-rim, lens.height + rim))
     target = np.stack([(u - lens.cx) / lens.fx, (v - lens.cy) / lens.fy], -1)
     xy = target.copy()
     h = 1e-6
@@ -142,7 +144,7 @@ def lookup(integral: np.ndarray, x: np.ndarray, y: np.ndarray) -> np.ndarray:
 
 
 def bar_window(lens: Lens, bar_camera: Pose) -> tuple[int, int, int, int] | None:
-    """Pixels that the bar may touch, with room for the blur: x0, x1, y0, y1."""
+    """Pixels that the bar may touch, with room for the blur, rim included: x0, x1, y0, y1."""
     y = np.linspace(-BAR_Y_M / 2, BAR_Y_M / 2, 201)
     outline = np.concatenate([np.stack([np.full(201, s * BAR_X_M / 2), y, np.zeros(201)], 1)
                               for s in (-1, 1)])
@@ -152,15 +154,15 @@ def bar_window(lens: Lens, bar_camera: Pose) -> tuple[int, int, int, int] | None
     if not near.any():
         return None
     low, high = px[near].min(0) - 8, px[near].max(0) + 9
-    x0, y0 = np.maximum(low, 0).astype(int)
-    x1, y1 = np.minimum(np.ceil(high), (lens.width, lens.height)).astype(int)
+    x0, y0 = np.maximum(np.floor(low), -RIM_PX).astype(int)
+    x1, y1 = np.minimum(np.ceil(high), (lens.width + RIM_PX, lens.height + RIM_PX)).astype(int)
     return (x0, x1, y0, y1) if x1 > x0 and y1 > y0 else None
 
 
 def subpixel_rays(lens: Lens, window: tuple[int, int, int, int]) -> np.ndarray:
     """Rays of the subpixels; between pixel centres they are straight to 1e-4 px."""
     x0, x1, y0, y1 = window
-    rays = pixel_rays(lens)[y0:y1 + 4, x0:x1 + 4]
+    rays = pixel_rays(lens)[y0 + RIM_PX:y1 + RIM_PX + 4, x0 + RIM_PX:x1 + RIM_PX + 4]
     size = ((x1 - x0 + 4) * SUBPIXELS, (y1 - y0 + 4) * SUBPIXELS)
     fine = np.stack([cv2.resize(np.ascontiguousarray(rays[..., i]), size,
                                 interpolation=cv2.INTER_LINEAR) for i in range(2)], -1)
@@ -181,16 +183,17 @@ def bar_plane(rays: np.ndarray, bar_camera: Pose) -> tuple[np.ndarray, np.ndarra
 def render_clean(kind: str, lens: Lens, bar_camera: Pose, ground: np.ndarray,
                  light: Light) -> np.ndarray:
     """The picture before noise and rounding."""
-    picture = ground.astype(np.float32).copy()
     window = bar_window(lens, bar_camera)
     if window is None or bar_camera.t[2] <= 0:
-        return picture
+        return ground.astype(np.float32)
     x0, x1, y0, y1 = window
+    rimmed = np.pad(ground.astype(np.float32), RIM_PX, mode="edge")
+    part = np.s_[y0 + RIM_PX:y1 + RIM_PX, x0 + RIM_PX:x1 + RIM_PX]
     x, y = bar_plane(subpixel_rays(lens, window), bar_camera)
     half_x = (np.abs(x[1:-1, 2:] - x[1:-1, :-2]) + np.abs(x[2:, 1:-1] - x[:-2, 1:-1])) / 4
     half_y = (np.abs(y[1:-1, 2:] - y[1:-1, :-2]) + np.abs(y[2:, 1:-1] - y[:-2, 1:-1])) / 4
     x, y = x[1:-1, 1:-1], y[1:-1, 1:-1]
-    fine = np.repeat(np.repeat(picture[y0:y1, x0:x1], SUBPIXELS, 0), SUBPIXELS, 1)
+    fine = np.repeat(np.repeat(rimmed[part], SUBPIXELS, 0), SUBPIXELS, 1)
     integral = integral_of(kind)
     rows, columns = integral.shape[0] - 1, integral.shape[1] - 1
     touched = ((x > -half_x) & (x < rows + half_x) & (y > -half_y) & (y < columns + half_y)
@@ -201,8 +204,8 @@ def render_clean(kind: str, lens: Lens, bar_camera: Pose, ground: np.ndarray,
                      + fine[touched] * (1 - covered))
     if light.optics_blur_px > 0:
         fine = cv2.GaussianBlur(fine, (0, 0), light.optics_blur_px * SUBPIXELS)
-    picture[y0:y1, x0:x1] = fine.reshape(y1 - y0, SUBPIXELS, x1 - x0, SUBPIXELS).mean((1, 3))
-    return picture
+    rimmed[part] = fine.reshape(y1 - y0, SUBPIXELS, x1 - x0, SUBPIXELS).mean((1, 3))
+    return rimmed[RIM_PX:-RIM_PX, RIM_PX:-RIM_PX].copy()
 
 
 def smooth_ground(lens: Lens, rng: np.random.Generator, light: Light) -> np.ndarray:
