@@ -4,7 +4,7 @@ import os
 import struct
 import unittest
 
-from cli_kit import INPUT, OK, RESULT, CliTest, png, rows
+from cli_kit import INPUT, OK, RESULT, USAGE, CliTest, png, rows
 from locate_schema import row_problems
 
 
@@ -54,6 +54,13 @@ class GoodPictures(CliTest):
     def test_following_and_tilt_are_accepted(self):
         result = self.locate("--json", "--follow", "--tilt-deg", -19.3, self.blank, self.blank)
         self.assertEqual([row["state"] for row in rows(result)], ["absent", "absent"])
+
+    def test_the_other_bar_is_read_or_its_absence_from_the_build_is_said(self):
+        result = self.locate("--json", "--bar", "apriltag33", self.blank)
+        if result.returncode == USAGE:
+            self.assertIn("built without libapriltag", result.stderr)
+        else:
+            self.assertEqual((result.returncode, rows(result)[0]["state"]), (OK, "absent"))
 
     def test_a_name_that_is_not_utf_8_does_not_break_the_row(self):
         name = os.fsencode(self.folder) + b"/f\xff.png"
