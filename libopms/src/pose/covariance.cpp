@@ -1,16 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
-// The estimate is an M-estimate: with psi(z) = w(z) z and A = J^T W J, its covariance is
-//   E[psi^2] E[w] / E[psi']^2  A^-1,
-// where the first factor is 0.965 for Gaussian noise of the stated sigmas, and is measured from the residuals where
-// they are larger than stated. It is measured only as far as it differs from 0.965 by more than
-// chance: a few edges must not blow up an honest statement.
+// The estimate is an M-estimate: with psi(z) = w(z) z and the curvature matrix D = sum psi'(z) J J^T its
+// covariance is
+//   E[psi^2] / E[psi']  D^-1,
+// where the first factor is known for Gaussian noise of the stated sigmas, and is measured from the
+// residuals where they are larger than stated: only as far as they are so by more than chance, for
+// a few edges must not blow up an honest statement.
 #include "pose/covariance.h"
+
+#include "pose/edge_pair.h"
 
 namespace opms::pose {
 
 namespace {
 
-constexpr double GAUSSIAN_INFLATION = 0.9652; // for TUKEY = 6 and a scale of 1
+constexpr double GAUSSIAN_INFLATION = 0.8599; // for TUKEY = 6 and a scale of 1
 constexpr int UNKNOWNS = 7;
 
 /* 0 below 0, 1 above 1, smooth between. */
@@ -20,37 +23,36 @@ double smooth_step(double x)
     return t * t * (3.0 - 2.0 * t);
 }
 
-/* Unit steps of the lens along the edge's normal, over sigma: n . d(u, v)/d(intrinsics) at a ray. The edge keeps
- * m = J^T n / sigma; n / sigma follows from it. */
-void intrinsics_row(const opms_lens_t &lens, double x, double y, double mx, double my,
-                    double row[8])
+/* n . d(u, v)/d(intrinsics) / sigma at the rays (x, y). An edge keeps m = J^T n / sigma; n / sigma
+ * follows from it, J being that of lens_bend(). */
+void intrinsics_row(const opms_lens_t &lens, const Pair &x, const Pair &y, const Pair &mx,
+                    const Pair &my, Pair row[8])
 {
-    const double r2 = x * x + y * y;
-    const double gain = 1.0 + r2 * (lens.k1 + r2 * lens.k2);
-    const double slope2 = 2.0 * lens.k1 + 4.0 * lens.k2 * r2;
-    const double tilt = 2.0 * (lens.p1 * y + lens.p2 * x);
-    const double xx = gain + slope2 * x * x + tilt + 4.0 * lens.p2 * x;
-    const double xy = slope2 * x * y + 2.0 * (lens.p1 * x + lens.p2 * y);
-    const double yy = gain + slope2 * y * y + tilt + 4.0 * lens.p1 * y;
-    const double det = xx * yy - xy * xy;
-    const double ax = (yy * mx - xy * my) / det; // n_u fx / sigma
-    const double ay = (xx * my - xy * mx) / det; // n_v fy / sigma
-    row[0] = ax * (x * (gain + tilt) + lens.p2 * r2) / lens.fx_px;
-    row[1] = ay * (y * (gain + tilt) + lens.p1 * r2) / lens.fy_px;
-    row[2] = ax / lens.fx_px;
-    row[3] = ay / lens.fy_px;
-    const double radial = (ax * x + ay * y) * r2;
+    const Pair r2 = x * x + y * y;
+    const Pair gain = 1.0 + r2 * (lens.k1 + r2 * lens.k2) + 2.0 * (lens.p1 * y + lens.p2 * x);
+    const Pair slope2 = 2.0 * lens.k1 + 4.0 * lens.k2 * r2;
+    const Pair xx = gain + slope2 * x * x + 4.0 * lens.p2 * x;
+    const Pair xy = slope2 * x * y + 2.0 * (lens.p1 * x + lens.p2 * y);
+    const Pair yy = gain + slope2 * y * y + 4.0 * lens.p1 * y;
+    const Pair part = (xx * yy - xy * xy).inverse();
+    const Pair ax = (yy * mx - xy * my) * part; // fx n_u / sigma
+    const Pair ay = (xx * my - xy * mx) * part; // fy n_v / sigma
+    const Pair radial = (ax * x + ay * y) * r2;
+    row[0] = ax * (x * gain + lens.p2 * r2) * (1.0 / lens.fx_px);
+    row[1] = ay * (y * gain + lens.p1 * r2) * (1.0 / lens.fy_px);
+    row[2] = ax * (1.0 / lens.fx_px);
+    row[3] = ay * (1.0 / lens.fy_px);
     row[4] = radial;
     row[5] = radial * r2;
-    row[6] = ax * 2.0 * x * y + ay * (r2 + 2.0 * y * y);
-    row[7] = ax * (r2 + 2.0 * x * x) + ay * 2.0 * x * y;
+    row[6] = 2.0 * ax * x * y + ay * (r2 + 2.0 * y * y);
+    row[7] = ax * (r2 + 2.0 * x * x) + 2.0 * ay * x * y;
 }
 
 } // namespace
 
 FitQuality fit_quality(const EdgeSet &set, const Fit &fit, const double *z)
 {
-    double weights = 0.0, psi2 = 0.0, slopes = 0.0, counted = 0.0;
+    double psi2 = 0.0, curvature = 0.0, counted = 0.0;
     double used_z2 = 0.0, used_px2 = 0.0, used_w = 0.0;
     FitQuality quality = {};
     for (uint32_t i = 0; i < set.count; ++i) {
@@ -58,12 +60,9 @@ FitQuality fit_quality(const EdgeSet &set, const Fit &fit, const double *z)
         if (!(w > 0.0)) {
             continue;
         }
-        const double part = z[i] / (TUKEY * fit.scale);
-        const double rest = 1.0 - part * part;
         counted += 1.0;
-        weights += w;
         psi2 += w * w * z[i] * z[i];
-        slopes += rest * (rest - 4.0 * part * part);
+        curvature += tukey_curvature(z[i], fit.scale);
         if (w > 0.5) {
             const double px = z[i] / set.is[i];
             ++quality.used;
@@ -78,8 +77,8 @@ FitQuality fit_quality(const EdgeSet &set, const Fit &fit, const double *z)
         quality.residual_px = std::sqrt(used_px2 / used_w);
     }
     const double freedom = counted - UNKNOWNS;
-    if (freedom > 0.0 && slopes > 0.0) {
-        const double measured = psi2 * weights / (slopes * slopes) * (counted / freedom);
+    if (freedom > 0.0 && curvature > 0.0) {
+        const double measured = psi2 / curvature * (counted / freedom);
         const double excess = measured / GAUSSIAN_INFLATION - 1.0;
         const double chance = 2.0 * std::sqrt(2.0 / freedom);
         quality.inflation *= 1.0 + std::max(0.0, excess) * smooth_step(excess / chance);
@@ -104,27 +103,33 @@ bool fit_covariance(const Fit &fit, double inflation, Mat7 &inverse, Mat6 &covar
 Mat68 fit_by_intrinsics(const EdgeSet &set, const opms_lens_t &lens, const Fit &fit,
                         const Mat7 &inverse)
 {
-    // The residual falls by n . d(u, v)/dk where an intrinsic grows; A step = J^T W n.d(u, v)/dk.
-    const Mat3 into = fit.placement.R.transpose();
-    const Vec3 origin = -(into * fit.placement.t);
-    Mat78 moved = Mat78::Zero();
-    for (uint32_t i = 0; i < set.count; ++i) {
-        const Vec3 p = into.col(0) * set.X[i] + into.col(1) * set.Y[i] + origin;
-        const double nearness = 1.0 / p.z();
-        const double x = p.x() * nearness, y = p.y() * nearness;
-        const double mx = set.mx[i], my = set.my[i];
-        const double q = mx * x + my * y;
-        const double z = set.c[i] - q - fit.placement.shift_px * set.is[i];
-        const double weight = tukey_weight(z, fit.scale);
-        if (!(weight > 0.0)) {
-            continue;
+    // The residual falls by n . d(u, v)/dk where an intrinsic grows: D step = sum psi' J n . d(u, v)/dk.
+    Pair sums[7][8];
+    for (auto &line : sums) {
+        for (Pair &sum : line) {
+            sum.setZero();
         }
-        Vec7 row;
-        row << -(my + q * y), mx + q * x, my * x - mx * y, mx * nearness, my * nearness,
-            -q * nearness, -set.is[i];
-        Eigen::Matrix<double, 1, 8> by_lens;
-        intrinsics_row(lens, x, y, mx, my, by_lens.data());
-        moved.noalias() += (weight * row) * by_lens;
+    }
+    const EdgeFrame frame(fit.placement);
+    for (uint32_t i = 0; i < set.count; i += 2) {
+        const EdgePair edge(set, i, set.count, frame);
+        Pair by_lens[8];
+        intrinsics_row(lens, edge.x, edge.y, edge.mx, edge.my, by_lens);
+        Pair row[7];
+        edge.gradient(row);
+        const Pair curvature = edge.curvature(fit.scale);
+        for (int a = 0; a < 7; ++a) {
+            const Pair weighted = curvature * row[a];
+            for (int b = 0; b < 8; ++b) {
+                sums[a][b] += weighted * by_lens[b];
+            }
+        }
+    }
+    Mat78 moved;
+    for (int a = 0; a < 7; ++a) {
+        for (int b = 0; b < 8; ++b) {
+            moved(a, b) = sums[a][b].sum();
+        }
     }
     const Mat78 step = inverse * moved;
     Mat68 result;

@@ -7,45 +7,48 @@ namespace opms::pose {
 
 namespace {
 
-constexpr uint32_t SAMPLE_SIZE = 96;
+constexpr uint32_t SAMPLE_SIZE = 72;
 constexpr uint32_t SAMPLE_FROM = 240; // fewer edges than this are all looked at
 constexpr double UNREACHED = 1e9;     // residual in sigmas of an edge that no ray reaches
+constexpr double NEAR_PX = 0.5;       // as near as this, a ray may stand for that of the pixel
 
+/* The line of an edge, its lens taken at the ray (x, y). */
 struct RayLine {
-    double x, y, mx, my;
+    double mx, my; // m = J^T n
+    double c;      // m.x_q
+    double off;    // from the ray's pixel to q, squared
 };
 
-/* One Newton step from a ray that is a pixel or two off leaves less than rounding does in m; a second one
- * settles the ray. Anything else takes the general way. */
-bool line_of_edge(const opms_lens_t &lens, const opms_edge_t &edge, double x, double y,
-                  RayLine &line)
+RayLine line_at(const opms_lens_t &lens, const opms_edge_t &edge, double x, double y)
 {
-    for (int i = 0; i < 3; ++i) {
-        double u, v, jac[4];
-        lens_project_ray_jac(&lens, x, y, &u, &v, jac);
-        const double det = jac[0] * jac[3] - jac[1] * jac[2];
-        const double eu = edge.px[0] - u;
-        const double ev = edge.px[1] - v;
-        const double dx = (jac[3] * eu - jac[1] * ev) / det;
-        const double dy = (jac[0] * ev - jac[2] * eu) / det;
-        x += dx;
-        y += dy;
-        if (dx * dx + dy * dy < 1e-14) {
-            line.x = x;
-            line.y = y;
-            line.mx = jac[0] * edge.normal[0] + jac[2] * edge.normal[1];
-            line.my = jac[1] * edge.normal[0] + jac[3] * edge.normal[1];
-            return det > 0.0;
-        }
-    }
-    return false;
+    double u, v, jac[4];
+    lens_project_ray_jac(&lens, x, y, &u, &v, jac);
+    const double eu = edge.px[0] - u;
+    const double ev = edge.px[1] - v;
+    RayLine line;
+    line.mx = jac[0] * edge.normal[0] + jac[2] * edge.normal[1];
+    line.my = jac[1] * edge.normal[0] + jac[3] * edge.normal[1];
+    line.c = line.mx * x + line.my * y + eu * edge.normal[0] + ev * edge.normal[1];
+    line.off = eu * eu + ev * ev;
+    return line;
 }
 
-bool line_of_edge_unguided(const opms_lens_t &lens, const opms_edge_t &edge, RayLine &line)
+/* Half a pixel off, the bend of the lens is below 1e-4 px and need not be followed to the ray of q itself. */
+bool line_of_edge(const opms_lens_t &lens, const opms_edge_t &edge, const Vec3 *guess,
+                  RayLine &line)
 {
+    if (guess) {
+        line = line_at(lens, edge, guess->x() / guess->z(), guess->y() / guess->z());
+        if (line.off < NEAR_PX * NEAR_PX) {
+            return true;
+        }
+    }
     double x, y;
-    return lens_unproject_fast(&lens, edge.px[0], edge.px[1], &x, &y) != 0 &&
-           line_of_edge(lens, edge, x, y, line);
+    if (!lens_unproject_fast(&lens, edge.px[0], edge.px[1], &x, &y)) {
+        return false;
+    }
+    line = line_at(lens, edge, x, y);
+    return true;
 }
 
 } // namespace
@@ -87,20 +90,16 @@ void edge_set_fill(EdgeSet &set, const opms_lens_t &lens, const opms_edge_t *edg
     }
     for (uint32_t i = from; i < to; ++i) {
         const opms_edge_t &edge = edges[set.order[i]];
+        const Vec3 seen = into.col(0) * edge.bar_m[0] + into.col(1) * edge.bar_m[1] + origin;
         RayLine line;
-        bool reached = false;
-        if (guess) {
-            const Vec3 p = into.col(0) * edge.bar_m[0] + into.col(1) * edge.bar_m[1] + origin;
-            reached = line_of_edge(lens, edge, p.x() / p.z(), p.y() / p.z(), line);
-        }
-        reached = reached || line_of_edge_unguided(lens, edge, line);
+        const bool reached = line_of_edge(lens, edge, guess ? &seen : nullptr, line);
         const double information = 1.0 / edge.sigma_px;
         set.X[i] = edge.bar_m[0];
         set.Y[i] = edge.bar_m[1];
         set.is[i] = reached ? edge.shift_gain * information : 0.0;
         set.mx[i] = reached ? line.mx * information : 0.0;
         set.my[i] = reached ? line.my * information : 0.0;
-        set.c[i] = reached ? set.mx[i] * line.x + set.my[i] * line.y : UNREACHED;
+        set.c[i] = reached ? line.c * information : UNREACHED;
     }
     // The empty edge that fills up the last pair: no residual, no gradient, a bar point that is in front.
     set.X[to] = to > 0 ? set.X[to - 1] : 0.0;

@@ -8,7 +8,7 @@
 //    of a level bar a slanted one.
 //  - The line also says where the side runs to: with its direction d, l^T H d = 0. Without it sides measured
 //    only at their middles would leave H open. It counts little, as the normals may be rough.
-// Reweighted twice for the depth and, by Cauchy's weights, against outliers.
+// Reweighted for the depth and, by Cauchy's weights, against outliers.
 #include "pose/homography_start.h"
 
 #include <algorithm>
@@ -22,7 +22,9 @@ namespace {
 using Vec9 = Eigen::Matrix<double, 9, 1>; // H row by row without its last entry; the shift in px
 using Mat9 = Eigen::Matrix<double, 9, 9>;
 
-constexpr int PASSES = 4;
+constexpr int PASSES_MIN = 3;
+constexpr int PASSES_MAX = 10;
+constexpr double SCALE_GOOD = 1.5;     // outliers have lost their pull
 constexpr double LEVER_M = 0.002;      // length over which a normal is believed
 constexpr double SLOPE_PER_M = 5.0;    // usual relative change of the depth over the plane
 
@@ -162,33 +164,44 @@ double residual_at(const Vec9 &h, const Row &row, double depth)
     return (row.l[0] * x + row.l[1] * y + row.l[2] * last) / depth + h[8] * row.shift;
 }
 
-/* One weighted fit after another, the first with equal weights. */
+void weighted_moments(const EdgeSet &set, uint32_t n, const opms_edge_t *edges, const Units &units,
+                      const Vec9 *h, const double *z, double scale, Moments &moments)
+{
+    const double lever = LEVER_M / units.plane;
+    moments = {};
+    for (uint32_t i = 0; i < n; ++i) {
+        const Row row = row_of(set, i, edges, units);
+        double weight = row.shift > 0.0 ? 1.0 : 0.0;
+        double depth = 1.0;
+        if (h) {
+            const double part = z[i] / (2.0 * scale);
+            depth = depth_at(*h, row);
+            weight /= (1.0 + part * part) * depth * depth;
+        }
+        add_edge(moments, row, lever * lever, depth, weight);
+    }
+}
+
+/* One weighted fit after another, the first with equal weights, until outliers pull no more. */
 bool fit_homography(const EdgeSet &set, uint32_t n, const opms_edge_t *edges, const Units &units,
                     Vec9 &h)
 {
     double z[EdgeSet::CAPACITY];
-    const double lever = LEVER_M / units.plane;
-    for (int pass = 0; pass < PASSES; ++pass) {
-        const double scale = pass > 0 ? robust_scale(z, n) : 0.0;
-        Moments moments = {};
-        for (uint32_t i = 0; i < n; ++i) {
-            const Row row = row_of(set, i, edges, units);
-            double weight = row.shift > 0.0 ? 1.0 : 0.0;
-            double depth = 1.0;
-            if (pass > 0) {
-                const double part = z[i] / (2.0 * scale);
-                depth = depth_at(h, row);
-                weight /= (1.0 + part * part) * depth * depth;
-            }
-            add_edge(moments, row, lever * lever, depth, weight);
-        }
+    double scale = 0.0;
+    for (int pass = 1; pass <= PASSES_MAX; ++pass) {
+        Moments moments;
+        weighted_moments(set, n, edges, units, pass > 1 ? &h : nullptr, z, scale, moments);
         if (!solve(moments, SLOPE_PER_M * units.plane, h)) {
             return false;
         }
-        for (uint32_t i = 0; i < n && pass + 1 < PASSES; ++i) {
+        if (pass >= PASSES_MIN && scale < SCALE_GOOD) {
+            break;
+        }
+        for (uint32_t i = 0; i < n; ++i) {
             const Row row = row_of(set, i, edges, units);
             z[i] = residual_at(h, row, depth_at(h, row));
         }
+        scale = std::max(1.0, robust_scale(z, n));
     }
     return true;
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// From edges to a pose: a linear start and both planar solutions on a sample of the edges, then the better one on
-// all of them. The other solution is judged on the sample, and on all edges where that is close.
+// From edges to a pose: a linear start and both planar solutions on a sample of the edges, then the
+// better one on all of them; the other one too, where the sample does not settle it.
 #include <opms/pose.h>
 
 #include <algorithm>
@@ -20,11 +20,13 @@ constexpr double SCALE_MAX_PX = 2.0;    // residuals beyond this agree with noth
 constexpr double CLEAR_EXCESS = 100.0;  // chi2 that settles it on the sample
 constexpr double ALIKE_EXCESS = 16.0;   // chi2 within which both solutions stand
 constexpr double APART = 16.0;          // squared distance in sigmas from which two poses differ
+constexpr double SAMPLE_PLEASES = 0.7;  // part of all edges that a good start makes fit
+constexpr double SCALE_PLEASES = 2.0;   // residuals over stated sigmas, likewise
 constexpr double NO_OTHER = 1e12;       // chi2_other where there is no second solution
 constexpr double ANGLE_SIGMA_MAX = 0.3; // rad; nothing is known beyond it
-constexpr int ITERATIONS_START = 15;
-constexpr int ITERATIONS_OTHER = 10;
-constexpr int ITERATIONS_ALL = 12;
+constexpr RefinePlan PLAN_START = {Steps::Careful, 15, 0.01, 0.6};
+constexpr RefinePlan PLAN_OTHER = {Steps::Careful, 10, 0.5, 0.6};
+constexpr RefinePlan PLAN_ALL = {Steps::Newton, 20, 1e-4, 0.8};
 
 opms_status_t fail_arg(opms_error_t *err, int32_t index, const char *what)
 {
@@ -114,36 +116,22 @@ bool start(const EdgeSet &set, uint32_t n, const opms_edge_t *edges, PlaneView &
     Normal looks[2];
     double z[128];
     residuals(set, std::min<uint32_t>(n, 128), poses[0], z);
-    const double scale = robust_scale(z, n);
-    normal_equations(set, n, poses[0], scale, looks[0]);
-    normal_equations(set, n, poses[1], scale, looks[1]);
+    const double scale = std::max(1.0, robust_scale(z, n));
+    normal_equations(set, n, poses[0], scale, Steps::Careful, looks[0]);
+    normal_equations(set, n, poses[1], scale, Steps::Careful, looks[1]);
     const bool second = looks[1].in_front && !(looks[0].in_front && looks[0].cost <= looks[1].cost);
     best.placement = poses[second ? 1 : 0];
-    refine(set, n, ITERATIONS_START, best);
+    refine(set, n, PLAN_START, best);
     return plausible(best);
-}
-
-/* Refine the reflected pose; swap the two where it is the better one. */
-bool find_other(const EdgeSet &set, uint32_t n, const PlaneView &view, Fit &best, Fit &other)
-{
-    other.placement = planar_mirror(best.placement, view.centre_m[0], view.centre_m[1]);
-    refine(set, n, ITERATIONS_OTHER, other);
-    if (!plausible(other)) {
-        return false;
-    }
-    if (other.scale < best.scale ||
-        (other.scale == best.scale && other.normal.cost < best.normal.cost)) {
-        std::swap(best, other);
-    }
-    return true;
 }
 
 /* How much worse the other solution fits the first n edges, in chi2 at the best one's scale. */
 double excess(const EdgeSet &set, uint32_t n, const Fit &best, const Fit &other)
 {
-    Normal at_other;
-    normal_equations(set, n, other.placement, best.scale, at_other);
-    return at_other.cost - best.normal.cost;
+    Normal at_best, at_other;
+    normal_equations(set, n, best.placement, best.scale, Steps::Careful, at_best);
+    normal_equations(set, n, other.placement, best.scale, Steps::Careful, at_other);
+    return at_other.cost - at_best.cost;
 }
 
 /* Squared distance of two placements in sigmas of the covariance. */
@@ -161,44 +149,82 @@ struct Solution {
     EdgeSet set;
     PlaneView view;
     Fit best, other;
-    bool has_other;
+    double chi2_other;
+    bool close; /**< the other solution was refined on all edges, too */
     double z[EdgeSet::CAPACITY];
     FitQuality quality;
     Mat7 inverse;
     Mat6 covariance;
 };
 
-/* Fit of all edges that agree; false where there is none. */
+/* Refine the reflected pose on the sample; swap the two where it is the better one. */
+void find_other(Solution &s)
+{
+    const uint32_t n = s.set.sample;
+    s.other.placement = planar_mirror(s.best.placement, s.view.centre_m[0], s.view.centre_m[1]);
+    refine(s.set, n, PLAN_OTHER, s.other);
+    s.close = false;
+    s.chi2_other = NO_OTHER;
+    if (!plausible(s.other)) {
+        return;
+    }
+    if (s.other.scale < s.best.scale ||
+        (s.other.scale == s.best.scale && s.other.normal.cost < s.best.normal.cost)) {
+        std::swap(s.best, s.other);
+    }
+    s.chi2_other = excess(s.set, n, s.best, s.other) * s.set.count / n;
+    s.close = s.chi2_other < CLEAR_EXCESS;
+}
+
+/* The fit of all edges, and the other one too if it is close. */
+bool refine_all(Solution &s)
+{
+    refine(s.set, s.set.count, PLAN_ALL, s.best);
+    if (!plausible(s.best)) {
+        return false;
+    }
+    if (s.close) {
+        refine(s.set, s.set.count, PLAN_ALL, s.other);
+        s.close = plausible(s.other);
+        s.chi2_other = s.close ? excess(s.set, s.set.count, s.best, s.other) : NO_OTHER;
+        if (s.chi2_other < 0.0) {
+            std::swap(s.best, s.other);
+            s.chi2_other = excess(s.set, s.set.count, s.best, s.other);
+        }
+    }
+    residuals(s.set, s.set.count, s.best.placement, s.z);
+    s.quality = fit_quality(s.set, s.best, s.z);
+    return true;
+}
+
+/* A sample may be unlucky: what it leads to must please most edges, or all are looked at. */
 bool find_best(const opms_lens_t &lens, const opms_edge_t *edges, uint32_t count, Solution &s)
 {
     edge_set_init(s.set, count);
     edge_set_fill(s.set, lens, edges, 0, s.set.sample, nullptr);
-    bool filled = s.set.sample == count;
-    bool found = start(s.set, s.set.sample, edges, s.view, s.best);
-    if (!found && !filled) { // the sample may have been unlucky
-        edge_set_fill(s.set, lens, edges, s.set.sample, count, nullptr);
-        filled = true;
-        s.set.sample = count;
-        found = start(s.set, count, edges, s.view, s.best);
-    }
-    if (!found) {
+    if (start(s.set, s.set.sample, edges, s.view, s.best)) {
+        find_other(s);
+        edge_set_fill(s.set, lens, edges, s.set.sample, count, &s.best.placement);
+        const bool found = refine_all(s);
+        if (s.set.sample == count || (found && s.best.converged && s.best.scale < SCALE_PLEASES &&
+                                      s.quality.used >= SAMPLE_PLEASES * count)) {
+            return found;
+        }
+    } else if (s.set.sample == count) {
         return false;
     }
-    s.has_other = find_other(s.set, s.set.sample, s.view, s.best, s.other);
-    if (!filled) {
-        edge_set_fill(s.set, lens, edges, s.set.sample, count, &s.best.placement);
+    edge_set_fill(s.set, lens, edges, 0, count, nullptr);
+    s.set.sample = count;
+    if (!start(s.set, count, edges, s.view, s.best)) {
+        return false;
     }
-    if (s.set.sample < count) {
-        refine(s.set, count, ITERATIONS_ALL, s.best);
-    }
-    return plausible(s.best);
+    find_other(s);
+    return refine_all(s);
 }
 
 /* Figures of the best fit; false where too few edges agree or they leave the pose open. */
 bool judge_best(Solution &s)
 {
-    residuals(s.set, s.set.count, s.best.placement, s.z);
-    s.quality = fit_quality(s.set, s.best, s.z);
     if (s.quality.used < EDGES_MIN || 2 * s.quality.used < s.set.count ||
         !(s.quality.residual_px < SCALE_MAX_PX)) {
         return false;
@@ -212,34 +238,18 @@ bool judge_best(Solution &s)
     return angle2 < limit && place2 < limit * s.best.placement.t.squaredNorm();
 }
 
-/* chi2_other, and whether both solutions stand. */
-bool is_ambiguous(Solution &s, double &chi2_other)
+/* Whether both solutions stand. Where both starts have led to the same pose there is but one. */
+bool is_ambiguous(Solution &s)
 {
-    chi2_other = NO_OTHER;
-    if (!s.has_other) {
+    if (!s.close) {
         return false;
     }
-    const uint32_t count = s.set.count, sample = s.set.sample;
-    if (sample < count) {
-        Normal at_best;
-        normal_equations(s.set, sample, s.best.placement, s.best.scale, at_best);
-        Normal at_other;
-        normal_equations(s.set, sample, s.other.placement, s.best.scale, at_other);
-        const double on_sample = (at_other.cost - at_best.cost) * count / sample;
-        if (on_sample > CLEAR_EXCESS) {
-            chi2_other = on_sample;
-            return false;
-        }
-        refine(s.set, count, ITERATIONS_OTHER, s.other);
-        if (!plausible(s.other)) {
-            return false;
-        }
-    }
     if (!(distance2(s.best.placement, s.other.placement, s.covariance) > APART)) {
-        return false; // both starts lead to the same pose
+        s.chi2_other = NO_OTHER;
+        return false;
     }
-    chi2_other = std::max(0.0, excess(s.set, count, s.best, s.other));
-    return chi2_other < ALIKE_EXCESS;
+    s.chi2_other = std::max(0.0, s.chi2_other);
+    return s.chi2_other < ALIKE_EXCESS;
 }
 
 void write_result(const opms_lens_t &lens, const Solution &s, opms_pose_result_t *result)
@@ -276,7 +286,9 @@ opms_status_t opms_pose_solve(const opms_lens_t *lens, const opms_edge_t *edges,
     result->edges_used = s.quality.used;
     result->residual_px = s.quality.residual_px;
     result->chi2_dof = s.quality.chi2_dof;
-    if (is_ambiguous(s, result->chi2_other)) {
+    const bool ambiguous = is_ambiguous(s);
+    result->chi2_other = s.chi2_other;
+    if (ambiguous) {
         result->state = OPMS_POSE_AMBIGUOUS;
         return OPMS_OK;
     }

@@ -1,40 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 // Levenberg-Marquardt whose damping is off until a step fails; weights by Tukey. The scale starts
 // at the median residual, follows it down as the fit improves, and ends at the stated sigmas.
-//
-// With Xc = R^T (P - t), R <- R Exp(w), t <- t + d: dXc/dw = [Xc]x and dXc/dd = -R^T. For the ray
-// (x, y) = (Xc/Zc, Yc/Zc) and the residual z = c - m.(x, y) - s/sigma, with q = m.(x, y):
-//   dz/dw = (-(my + q y), mx + q x, my x - mx y), dz/d(R^T d) = (mx, my, -q) / Zc, dz/ds = -1/sigma.
 #include "pose/refine.h"
 
 #include <algorithm>
+
+#include "pose/edge_pair.h"
 
 namespace opms::pose {
 
 namespace {
 
-using Pair = Eigen::Array2d; // two edges side by side in one vector register
-
-constexpr double CONVERGED = 1e-7; // chi2 that the last step promised
-constexpr double DAMPING_MAX = 1e8;
-
-struct Frame {
-    Vec3 ex, ey, origin; // bar axes and origin in the camera frame
-};
-
-Frame frame_of(const Placement &placement)
-{
-    Frame f;
-    f.ex = placement.R.row(0);
-    f.ey = placement.R.row(1);
-    f.origin = -(placement.R.transpose() * placement.t);
-    return f;
-}
-
-inline Pair load(const double *column)
-{
-    return Eigen::Map<const Pair, Eigen::Aligned16>(column);
-}
+constexpr double ROUNDING = 1e-7; // chi2 by which a good step may seem to be worse
+constexpr double DAMPING_MIN = 1e-5; // of a unit diagonal: acts on the weakest direction alone
+constexpr double DAMPING_MAX = 1e6;
 
 /* Solves the damped equations; false where they are singular. */
 bool solve_step(const Normal &normal, double damping, Vec7 &step)
@@ -78,19 +57,25 @@ Vec3 middle_of(const EdgeSet &set, uint32_t n)
     return sum / n;
 }
 
+/* The scale that the residuals ask for, at least the stated one. */
+double scale_at(const EdgeSet &set, uint32_t n, const RefinePlan &plan, const Placement &placement)
+{
+    double z[128];
+    const uint32_t some = std::min<uint32_t>(n, 128);
+    residuals(set, some, placement, z);
+    return std::max(1.0, plan.window * robust_scale(z, some));
+}
+
 /* A better fit shows smaller residuals: follow them down. */
-void follow_scale(const EdgeSet &set, uint32_t n, Fit &fit)
+void follow_scale(const EdgeSet &set, uint32_t n, const RefinePlan &plan, Fit &fit)
 {
     if (fit.scale <= 1.0) {
         return;
     }
-    double z[128];
-    const uint32_t some = std::min<uint32_t>(n, 128);
-    residuals(set, some, fit.placement, z);
-    const double scale = robust_scale(z, some);
+    const double scale = scale_at(set, n, plan, fit.placement);
     if (scale < 0.9 * fit.scale) {
         fit.scale = scale;
-        normal_equations(set, n, fit.placement, scale, fit.normal);
+        normal_equations(set, n, fit.placement, scale, plan.steps, fit.normal);
         fit.converged = false;
     }
 }
@@ -99,11 +84,13 @@ void follow_scale(const EdgeSet &set, uint32_t n, Fit &fit)
 
 void residuals(const EdgeSet &set, uint32_t n, const Placement &placement, double *z)
 {
-    const Frame f = frame_of(placement);
-    for (uint32_t i = 0; i < n; ++i) {
-        const Vec3 p = f.ex * set.X[i] + f.ey * set.Y[i] + f.origin;
-        z[i] = set.c[i] - (set.mx[i] * p.x() + set.my[i] * p.y()) / p.z() -
-               placement.shift_px * set.is[i];
+    const EdgeFrame frame(placement);
+    for (uint32_t i = 0; i < n; i += 2) {
+        const EdgePair edge(set, i, n, frame);
+        z[i] = edge.z[0];
+        if (i + 1 < n) {
+            z[i + 1] = edge.z[1];
+        }
     }
 }
 
@@ -115,14 +102,13 @@ double robust_scale(const double *z, uint32_t n)
         size[i] = std::isfinite(z[i]) ? std::fabs(z[i]) : 1e300;
     }
     std::nth_element(size, size + some / 2, size + some);
-    return std::max(1.0, 1.4826 * size[some / 2]);
+    return 1.4826 * size[some / 2];
 }
 
 void normal_equations(const EdgeSet &set, uint32_t n, const Placement &placement, double scale,
-                      Normal &normal)
+                      Steps steps, Normal &normal)
 {
-    const Frame f = frame_of(placement);
-    const double narrow = 1.0 / (TUKEY * scale);
+    const EdgeFrame frame(placement);
     Pair sums[28], slopes[7], lost(0.0, 0.0), nearest(1e300, 1e300);
     for (Pair &sum : sums) {
         sum.setZero();
@@ -131,29 +117,20 @@ void normal_equations(const EdgeSet &set, uint32_t n, const Placement &placement
         slope.setZero();
     }
     for (uint32_t i = 0; i < n; i += 2) {
-        const Pair X = load(set.X + i), Y = load(set.Y + i);
-        Pair mx = load(set.mx + i), my = load(set.my + i), is = load(set.is + i);
-        Pair c = load(set.c + i);
-        if (i + 1 == n) { // the edge behind the last one is none of ours
-            mx[1] = my[1] = is[1] = c[1] = 0.0;
-        }
-        const Pair depth = f.ex.z() * X + f.ey.z() * Y + f.origin.z();
-        nearest = nearest.min(depth);
-        const Pair nearness = depth.inverse();
-        const Pair x = (f.ex.x() * X + f.ey.x() * Y + f.origin.x()) * nearness;
-        const Pair y = (f.ex.y() * X + f.ey.y() * Y + f.origin.y()) * nearness;
-        const Pair q = mx * x + my * y;
-        const Pair z = c - q - placement.shift_px * is;
-        const Pair part = z * narrow;
+        const EdgePair edge(set, i, n, frame);
+        nearest = nearest.min(edge.depth);
+        const Pair part = edge.z * (1.0 / (TUKEY * scale));
         const Pair rest = (1.0 - part * part).max(Pair::Zero());
         const Pair weight = rest * rest;
+        const Pair pull = weight * edge.z;
+        const Pair curvature = steps == Steps::Newton ? edge.curvature(scale) : weight;
         lost += 1.0 - weight * rest;
-        const Pair row[7] = {-(my + q * y), mx + q * x,     my * x - mx * y, mx * nearness,
-                             my * nearness, -q * nearness, -is};
+        Pair row[7];
+        edge.gradient(row);
         int place = 0;
         for (int a = 0; a < 7; ++a) {
-            const Pair weighted = weight * row[a];
-            slopes[a] += weighted * z;
+            const Pair weighted = curvature * row[a];
+            slopes[a] += pull * row[a];
             for (int b = a; b < 7; ++b) {
                 sums[place++] += weighted * row[b];
             }
@@ -188,33 +165,40 @@ bool invert_information(const Mat7 &matrix, Mat7 &inverse)
     return inverse.allFinite();
 }
 
-void refine(const EdgeSet &set, uint32_t n, int iterations_max, Fit &fit)
+void refine(const EdgeSet &set, uint32_t n, const RefinePlan &plan, Fit &fit)
 {
-    double z[128];
-    const uint32_t some = std::min<uint32_t>(n, 128);
-    residuals(set, some, fit.placement, z);
-    fit.scale = robust_scale(z, some);
+    fit.scale = scale_at(set, n, plan, fit.placement);
     fit.converged = false;
-    normal_equations(set, n, fit.placement, fit.scale, fit.normal);
+    normal_equations(set, n, fit.placement, fit.scale, plan.steps, fit.normal);
     const Vec3 pivot = middle_of(set, n);
     double damping = 0.0;
-    for (int i = 0; i < iterations_max && fit.normal.in_front && !fit.converged; ++i) {
+    for (int i = 0; i < plan.iterations_max && fit.normal.in_front && !fit.converged; ++i) {
         Vec7 step;
-        Fit trial = fit;
         bool better = false;
         if (solve_step(fit.normal, damping, step)) {
+            Fit trial;
             trial.placement = moved(fit.placement, step, pivot);
-            normal_equations(set, n, trial.placement, trial.scale, trial.normal);
-            better = trial.normal.in_front && trial.normal.cost <= fit.normal.cost + CONVERGED;
+            trial.scale = fit.scale;
+            const double promised = -step.dot(fit.normal.gradient) / (fit.scale * fit.scale);
+            if (promised < plan.tolerance && damping == 0.0) {
+                fit.placement = trial.placement;
+                fit.converged = true;
+                follow_scale(set, n, plan, fit);
+                continue;
+            }
+            normal_equations(set, n, trial.placement, trial.scale, plan.steps,
+                             trial.normal);
+            better = trial.normal.in_front && trial.normal.cost <= fit.normal.cost + ROUNDING;
+            if (better) {
+                trial.converged = false;
+                fit = trial;
+            }
         }
         if (better) {
-            const double promised = -step.dot(fit.normal.gradient);
-            trial.converged = promised < CONVERGED * fit.scale * fit.scale;
-            fit = trial;
-            damping = damping > 1e-5 ? 0.1 * damping : 0.0;
-            follow_scale(set, n, fit);
+            damping = damping > DAMPING_MIN ? 0.3 * damping : 0.0;
+            follow_scale(set, n, plan, fit);
         } else {
-            damping = std::max(1e-3, 10.0 * damping);
+            damping = std::max(DAMPING_MIN, 10.0 * damping);
             if (damping > DAMPING_MAX) {
                 break;
             }

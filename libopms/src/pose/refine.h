@@ -4,6 +4,8 @@
 #ifndef OPMS_POSE_REFINE_H
 #define OPMS_POSE_REFINE_H
 
+#include <algorithm>
+
 #include "pose/edge_set.h"
 
 namespace opms::pose {
@@ -20,8 +22,22 @@ inline double tukey_weight(double residual, double scale)
     return rest > 0.0 ? rest * rest : 0.0;
 }
 
-/** The weighted normal equations at a placement. The seven unknowns are w, R^T d and the shift in px: with the
- * translation in the camera's axes no edge needs the rotation for its gradient. */
+/** Slope of weight times residual, not below 0: what a residual adds to the curvature of the cost. */
+inline double tukey_curvature(double residual, double scale)
+{
+    const double part = residual / (TUKEY * scale);
+    const double rest = 1.0 - part * part;
+    return rest > 0.0 ? std::max(0.0, rest * (rest - 4.0 * part * part)) : 0.0;
+}
+
+/** What an edge adds to the matrix of the normal equations. */
+enum class Steps {
+    Careful, /**< its weight: never overshoots, gains a digit a step */
+    Newton   /**< the curvature of its loss: two or three steps near the solution */
+};
+
+/** The normal equations at a placement. The seven unknowns are w, R^T d and the shift in px: with
+ * the translation in the camera's axes no edge needs the rotation for its gradient. */
 struct Normal {
     Mat7 matrix;
     Vec7 gradient;
@@ -40,18 +56,28 @@ struct Fit {
 /** Residuals in sigmas, measured minus model minus shift, of the first n edges. */
 void residuals(const EdgeSet &set, uint32_t n, const Placement &placement, double *z);
 
-/** 1.4826 times the median distance from zero, at least 1; over at most 128 of them. */
+/** 1.4826 times the median distance from zero; over at most 128 of them. */
 double robust_scale(const double *z, uint32_t n);
 
 /** Equations of the first n edges. */
 void normal_equations(const EdgeSet &set, uint32_t n, const Placement &placement, double scale,
-                      Normal &normal);
+                      Steps steps, Normal &normal);
 
 /** matrix^-1, scaled for accuracy. @return false where an unknown is not determined. */
 bool invert_information(const Mat7 &matrix, Mat7 &inverse);
 
-/** From a start to the nearest minimum over the first n edges. fit.placement is the start. */
-void refine(const EdgeSet &set, uint32_t n, int iterations_max, Fit &fit);
+/** How refine() goes about it. */
+struct RefinePlan {
+    Steps steps;
+    int iterations_max;
+    double tolerance; /**< chi2 that the last step may still gain */
+    double window;    /**< scale over that of Gaussian residuals with the median seen */
+};
+
+/** From a start to the nearest minimum over the first n edges. fit.placement is the start.
+ *
+ * The last step is taken, but fit.normal is left at the place before it. */
+void refine(const EdgeSet &set, uint32_t n, const RefinePlan &plan, Fit &fit);
 
 } // namespace opms::pose
 #endif
