@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdarg>
 #include <cstdio>
+#include <cstring>
 #include <exception>
 #include <new>
 #include <vector>
@@ -56,14 +57,18 @@ opms_status_t check_image(const opms_lens_t &lens, const opms_image_t *image, op
     if (!image || !image->pixels) {
         return fail(err, OPMS_ERR_ARG, image ? "image->pixels is NULL" : "image is NULL");
     }
-    if (image->format != OPMS_PIXEL_GREY8 && image->format != OPMS_PIXEL_GREY16) {
-        return fail(err, OPMS_ERR_ARG, "image->format %d is unknown", int(image->format));
+    /* C callers can put any number in an enum, which C++ may not even load as one. */
+    int format = 0;
+    static_assert(sizeof format == sizeof image->format, "an enum is an int");
+    std::memcpy(&format, &image->format, sizeof format);
+    if (format != OPMS_PIXEL_GREY8 && format != OPMS_PIXEL_GREY16) {
+        return fail(err, OPMS_ERR_ARG, "image->format %d is unknown", format);
     }
     if (image->width_px != lens.width_px || image->height_px != lens.height_px) {
         return fail(err, OPMS_ERR_ARG, "image is %d x %d px, the lens is for %d x %d",
                     image->width_px, image->height_px, lens.width_px, lens.height_px);
     }
-    const std::ptrdiff_t pixel_bytes = image->format == OPMS_PIXEL_GREY8 ? 1 : 2;
+    const std::ptrdiff_t pixel_bytes = format == OPMS_PIXEL_GREY8 ? 1 : 2;
     if (image->stride_bytes < pixel_bytes * image->width_px) {
         return fail(err, OPMS_ERR_ARG, "image->stride_bytes %td is less than a row's %td",
                     image->stride_bytes, pixel_bytes * image->width_px);
