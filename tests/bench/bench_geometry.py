@@ -76,12 +76,12 @@ def log_so3(R: np.ndarray) -> np.ndarray:
     if k == 0:
         q = np.array([1 + m[0], R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1]])
     else:
-        i, j, l = k - 1, k % 3, (k + 1) % 3
+        i, j, n = k - 1, k % 3, (k + 1) % 3
         q = np.empty(4)
-        q[0] = R[l, j] - R[j, l]
+        q[0] = R[n, j] - R[j, n]
         q[1 + i] = 1 + 2 * R[i, i] - m[0]
         q[1 + j] = R[j, i] + R[i, j]
-        q[1 + l] = R[l, i] + R[i, l]
+        q[1 + n] = R[n, i] + R[i, n]
     q *= (-1 if q[0] < 0 else 1) / np.linalg.norm(q)
     norm = float(np.linalg.norm(q[1:]))
     return 2 * q[1:] if norm < 1e-12 else 2 * np.arctan2(norm, q[0]) * q[1:] / norm

@@ -45,9 +45,9 @@ static int fail(const char *what, const char *why)
 static int read_lens(bench_t *bench)
 {
     opms_lens_t *lens = &bench->lens;
-    int got = scanf("%d %d %lf %lf %lf %lf %lf %lf %lf %lf %lf ", &lens->width_px,
-                    &lens->height_px, &lens->fx_px, &lens->fy_px, &lens->cx_px, &lens->cy_px,
-                    &lens->k1, &lens->k2, &lens->p1, &lens->p2, &bench->tilt_rad);
+    int got = scanf("%d %d %lf %lf %lf %lf %lf %lf %lf %lf %lf ", &lens->width_px, &lens->height_px,
+                    &lens->fx_px, &lens->fy_px, &lens->cx_px, &lens->cy_px, &lens->k1, &lens->k2,
+                    &lens->p1, &lens->p2, &bench->tilt_rad);
     return got == 11 && lens->width_px > 0 && lens->height_px > 0 ? 0
                                                                   : fail("scene", "no lens line");
 }

@@ -85,8 +85,9 @@ def locate_one(binary: Path, truth: Truth, camera: Path) -> tuple[Row, set[int]]
 
 def rotations(binary: Path, folders: list[Path], work: Path) -> bool:
     """Same squares, same labels, same position within MOST_MOVED_MM; prints a table."""
-    print("| picture | located | wrong labels | squares lost, gained | moved most, mm |")
-    print("|---|---|---|---|---|")
+    print("| picture | located | wrong labels | squares lost, gained | moved most, mm | "
+          "by 90, 180, 270 degrees |")
+    print("|---|---|---|---|---|---|")
     failures, worst, pictures = [], 0.0, 0
     for truth in (t for folder in folders for t in find_scenes(folder)):
         line = rotate_picture(binary, truth, work)
@@ -97,17 +98,20 @@ def rotations(binary: Path, folders: list[Path], work: Path) -> bool:
         if not good:
             failures.append(truth.image.name)
         print(f"| {truth.image.name} | {line['located']}/{len(ROTATIONS_DEG)} | {line['wrong']} | "
-              f"{line['lost']}, {line['gained']} | {line['moved']:.3f} |", flush=True)
+              f"{line['lost']}, {line['gained']} | {line['moved']:.3f} | {line['exact']:.3f} |",
+              flush=True)
     print(f"\nrotations: {'FAIL' if failures else 'pass'}: {pictures} pictures, moved at most "
           f"{worst:.3f} mm (allowed {MOST_MOVED_MM}); failing: {', '.join(failures) or 'none'}")
     return not failures
 
 
 def rotate_picture(binary: Path, truth: Truth, work: Path) -> dict:
-    """Pictures that were not located or have wrong labels stay in the folder, with their truth."""
+    """What became of a picture's rotations. Those by quarter turns are exact, pixel for pixel; the
+    others are resampled, which is a new picture. Pictures that were not located or have wrong
+    labels stay in the folder, with their truth."""
     image = cv2.imread(str(truth.image), cv2.IMREAD_GRAYSCALE)
     whole = whole_squares(truth)
-    line = {"located": 0, "wrong": 0, "lost": 0, "gained": 0, "moved": 0.0}
+    line = {"located": 0, "wrong": 0, "lost": 0, "gained": 0, "moved": 0.0, "exact": 0.0}
     reference = None
     for angle in ROTATIONS_DEG:
         row, squares = locate_rotated(binary, truth, image, angle, work)
@@ -122,7 +126,8 @@ def rotate_picture(binary: Path, truth: Truth, work: Path) -> dict:
         line["lost"] += len(reference[1] - squares)
         line["gained"] += len((squares & whole) - reference[1])
         moved = row.detector_error[3:] - reference[0].detector_error[3:]
-        line["moved"] = max(line["moved"], float(np.linalg.norm(moved)) * 1e3)
+        for name in ("moved", "exact") if angle % 90 == 0 else ("moved",):
+            line[name] = max(line[name], float(np.linalg.norm(moved)) * 1e3)
     return line
 
 
