@@ -10,7 +10,7 @@
 
 #include "truth_project.h"
 
-#define SAMPLES 89 /* of a pixel's area: a Fibonacci lattice, which no edge's direction runs along */
+#define SAMPLES 89 /* of a pixel's area: a Fibonacci lattice, along which no edge runs */
 #define LATTICE 55
 #define TAGS 33
 #define CELLS 8 /* of the black border */
@@ -110,7 +110,8 @@ static double pixel_level(const print_t *print, int u, int v)
         const double dv = (i * LATTICE % SAMPLES + 0.5) / SAMPLES - 0.5;
         double bar_m[2];
         for (int k = 0; k < 2; ++k) {
-            bar_m[k] = centre_m[k] + du * (right_m[k] - centre_m[k]) + dv * (down_m[k] - centre_m[k]);
+            bar_m[k] = centre_m[k] + du * (right_m[k] - centre_m[k]) +
+                       dv * (down_m[k] - centre_m[k]);
         }
         sum += printed_level(print, bar_m);
     }

@@ -108,7 +108,8 @@ struct opms_apriltag_detector {
 private:
     double usable_noise() const;
     void collect(double noise_limit);
-    void summarise(const opms_image_t &image, double noise_limit, opms_bar_summary_t &summary) const;
+    void summarise(const opms_image_t &image, double noise_limit,
+                   opms_bar_summary_t &summary) const;
 };
 
 double opms_apriltag_detector::usable_noise() const
@@ -258,7 +259,8 @@ opms_status_t opms_apriltag_detect(opms_apriltag_detector_t *detector, const opm
     return OPMS_OK;
 }
 
-const opms_square_t *opms_apriltag_squares(const opms_apriltag_detector_t *detector, uint32_t *count)
+const opms_square_t *opms_apriltag_squares(const opms_apriltag_detector_t *detector,
+                                           uint32_t *count)
 {
     if (count) {
         *count = detector ? static_cast<uint32_t>(detector->squares.size()) : 0;

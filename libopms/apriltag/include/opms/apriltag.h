@@ -22,7 +22,7 @@ extern "C" {
 /** Options of a detector; fill with opms_apriltag_options_init() first. */
 typedef struct opms_apriltag_options {
     uint32_t struct_size;
-    int32_t decimate; /**< search in every n-th pixel only, 1 to 4, default 1; edges are measured in all */
+    int32_t decimate; /**< search in every n-th pixel, 1 to 4, default 1; all are measured in */
 } opms_apriltag_options_t;
 
 /** Finds bars of kind `apriltag33`. One handle, one thread at a time; different handles freely. */
