@@ -11,6 +11,16 @@ install(DIRECTORY include/opms DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}
     FILES_MATCHING PATTERN "*.h")
 install(EXPORT opmsTargets NAMESPACE opms:: DESTINATION ${opms_package_dir})
 
+# A library of its own that needs libapriltag: an export set of its own.
+if(TARGET opms_apriltag)
+    set_target_properties(opms_apriltag PROPERTIES EXPORT_NAME apriltag)
+    install(TARGETS opms_apriltag EXPORT opmsApriltagTargets
+        ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
+    install(DIRECTORY apriltag/include/opms DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}
+        FILES_MATCHING PATTERN "*.h")
+    install(EXPORT opmsApriltagTargets NAMESPACE opms:: DESTINATION ${opms_package_dir})
+endif()
+
 configure_package_config_file(cmake/opmsConfig.cmake.in
     ${CMAKE_CURRENT_BINARY_DIR}/opmsConfig.cmake
     INSTALL_DESTINATION ${opms_package_dir})
