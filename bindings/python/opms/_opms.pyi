@@ -52,9 +52,9 @@ class Lens:
     """
     Pinhole with the four-parameter Seidel model.
 
-    The distortion is OpenCV's first four coefficients. A value: it never changes, any thread may use it.
-    Frames: `camera` has x right and y down in the picture, z along the optical axis; pixel (0, 0) is
-    the centre of the top left pixel.
+    The distortion is OpenCV's first four coefficients. A value: it never changes, any thread may use
+    it. Frames: `camera` has x right and y down in the picture, z along the optical axis; pixel (0, 0)
+    is the centre of the top left pixel.
     """
 
     def __init__(self, *, width_px: int, height_px: int, fx_px: float, fy_px: float, cx_px: float, cy_px: float, k1: float = 0.0, k2: float = 0.0, p1: float = 0.0, p2: float = 0.0) -> None:
@@ -187,15 +187,15 @@ class Pose:
 
 class Camera:
     """
-    A camera as calibrated: its lens, and where it sits on the detector.
+    A camera as calibrated: its lens and its place on the detector.
 
     A value: it never changes, any thread may use it. opms.load_camera() reads one from a file.
     """
 
     def __init__(self, lens: Lens, *, R_detector_camera: Annotated[NDArray[numpy.float64], dict(shape=(3, 3), order='C', device='cpu', writable=False)] | None = None, t_detector_camera_m: Annotated[NDArray[numpy.float64], dict(shape=(3), order='C', device='cpu', writable=False)] | None = None, covariance_intrinsics: Annotated[NDArray[numpy.float64], dict(shape=(8, 8), order='C', device='cpu', writable=False)] | None = None, covariance_detector_camera: Annotated[NDArray[numpy.float64], dict(shape=(6, 6), order='C', device='cpu', writable=False)] | None = None) -> None:
         """
-        R_detector_camera: (3, 3) and t_detector_camera_m: (3,) take the camera's frame to the
-        detector's. covariance_intrinsics: (8, 8) in the order fx fy cx cy k1 k2 p1 p2;
+        R_detector_camera: (3, 3) and t_detector_camera_m: (3,) take the camera's frame
+        to the detector's. covariance_intrinsics: (8, 8) in the order fx fy cx cy k1 k2 p1 p2;
         covariance_detector_camera: (6, 6) of (w, d) as in Pose.covariance.
         """
 
@@ -358,8 +358,8 @@ class BarDetection:
         Measured stretches of the squares' sides, (N,) of opms.EDGE_DTYPE.
 
         side 0: X = -10 mm, 1: Y = -10 mm, 2: X = +10 mm, 3: Y = +10 mm; bar_m: (X, Y) in the bar plane;
-        normal: unit normal in the picture, out of the square; sigma_px: along the normal; shift_gain: pixels
-        by which the edge moves when the common edge shift grows by one.
+        normal: unit normal in the picture, out of the square; sigma_px: along the normal; shift_gain:
+        pixels by which the edge moves when the common edge shift grows by one.
         """
 
 class BarDetector:

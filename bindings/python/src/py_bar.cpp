@@ -120,8 +120,8 @@ corners_px: (N, 4, 2), in the order (-X,-Y), (+X,-Y), (+X,+Y), (-X,+Y) of the ba
             R"(Measured stretches of the squares' sides, (N,) of opms.EDGE_DTYPE.
 
 side 0: X = -10 mm, 1: Y = -10 mm, 2: X = +10 mm, 3: Y = +10 mm; bar_m: (X, Y) in the bar plane;
-normal: unit normal in the picture, out of the square; sigma_px: along the normal; shift_gain: pixels
-by which the edge moves when the common edge shift grows by one.)");
+normal: unit normal in the picture, out of the square; sigma_px: along the normal; shift_gain:
+pixels by which the edge moves when the common edge shift grows by one.)");
 
     nb::class_<BarDetector>(module, "BarDetector", R"(Finds bars of kind hope33; holds all memory.
 

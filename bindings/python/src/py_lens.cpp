@@ -134,9 +134,9 @@ void py_bind_lens(nb::module_ &module)
     using namespace nb::literals;
     nb::class_<opms_lens_t>(module, "Lens", R"(Pinhole with the four-parameter Seidel model.
 
-The distortion is OpenCV's first four coefficients. A value: it never changes, any thread may use it.
-Frames: `camera` has x right and y down in the picture, z along the optical axis; pixel (0, 0) is
-the centre of the top left pixel.)")
+The distortion is OpenCV's first four coefficients. A value: it never changes, any thread may use
+it. Frames: `camera` has x right and y down in the picture, z along the optical axis; pixel (0, 0)
+is the centre of the top left pixel.)")
         .def(
             "__init__",
             [](opms_lens_t *self, int32_t width_px, int32_t height_px, double fx_px, double fy_px,

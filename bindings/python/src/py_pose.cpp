@@ -88,14 +88,14 @@ void check_camera(const opms_camera_t &camera)
 void bind_camera(nb::module_ &module)
 {
     nb::class_<opms_camera_t>(module, "Camera",
-                              R"(A camera as calibrated: its lens, and where it sits on the detector.
+                              R"(A camera as calibrated: its lens and its place on the detector.
 
 A value: it never changes, any thread may use it. opms.load_camera() reads one from a file.)")
         .def("__init__", &init_camera, "lens"_a, nb::kw_only(),
              "R_detector_camera"_a = nb::none(), "t_detector_camera_m"_a = nb::none(),
              "covariance_intrinsics"_a = nb::none(), "covariance_detector_camera"_a = nb::none(),
-             R"(R_detector_camera: (3, 3) and t_detector_camera_m: (3,) take the camera's frame to the
-detector's. covariance_intrinsics: (8, 8) in the order fx fy cx cy k1 k2 p1 p2;
+             R"(R_detector_camera: (3, 3) and t_detector_camera_m: (3,) take the camera's frame
+to the detector's. covariance_intrinsics: (8, 8) in the order fx fy cx cy k1 k2 p1 p2;
 covariance_detector_camera: (6, 6) of (w, d) as in Pose.covariance.)")
         .def("check", &check_camera,
              "Check lens, rotation and covariances. Raises Error (ERR_ARG or ERR_DOMAIN).")
@@ -105,7 +105,8 @@ covariance_detector_camera: (6, 6) of (w, d) as in Pose.covariance.)")
             [](opms_camera_t &self) {
                 return self.has_detector_camera ? &self.detector_camera : nullptr;
             },
-            nb::rv_policy::reference_internal, nb::sig("def detector_camera(self) -> Transform | None"),
+            nb::rv_policy::reference_internal,
+            nb::sig("def detector_camera(self) -> Transform | None"),
             "Camera to detector, or None.")
         .def_prop_ro(
             "covariance_intrinsics",
@@ -130,7 +131,8 @@ covariance_detector_camera: (6, 6) of (w, d) as in Pose.covariance.)")
 
 void bind_result(nb::module_ &module)
 {
-    nb::enum_<opms_pose_state_t>(module, "PoseState", nb::is_arithmetic(), "Outcome of pose_solve().")
+    nb::enum_<opms_pose_state_t>(module, "PoseState", nb::is_arithmetic(),
+                                 "Outcome of pose_solve().")
         .value("NONE", OPMS_POSE_NONE, "Too few edges, or none that agree.")
         .value("FOUND", OPMS_POSE_FOUND)
         .value("AMBIGUOUS", OPMS_POSE_AMBIGUOUS, "Both solutions of a plane fit alike.");
