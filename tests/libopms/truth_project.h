@@ -71,6 +71,14 @@ static inline void truth_small_rotation(const double a[9], const double b[9], do
     w[2] = 0.5 * (d[3] - d[1]);
 }
 
+/** The intrinsic parameter number k, in the order fx fy cx cy k1 k2 p1 p2. */
+static inline double *truth_intrinsic(opms_lens_t *lens, int k)
+{
+    double *const all[8] = {&lens->fx_px, &lens->fy_px, &lens->cx_px, &lens->cy_px,
+                            &lens->k1,    &lens->k2,    &lens->p1,    &lens->p2};
+    return all[k];
+}
+
 /** Pixel of a point of the camera frame. */
 static inline void truth_project_camera(const opms_lens_t *lens, const double p[3], double px[2])
 {

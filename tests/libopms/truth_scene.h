@@ -107,8 +107,8 @@ static inline uint32_t truth_edges(const opms_lens_t *lens, const opms_transform
         for (int side = 0; side < 4; ++side) {
             for (int i = 0; i < stretches; ++i) {
                 const double s = (2.0 * i + 1.0) / stretches - 1.0;
-                count += (uint32_t)truth_edge(lens, bar_camera, square, side, 0.8 * s,
-                                              &edges[count]);
+                count +=
+                    (uint32_t)truth_edge(lens, bar_camera, square, side, 0.8 * s, &edges[count]);
             }
         }
     }

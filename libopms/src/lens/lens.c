@@ -20,10 +20,22 @@ static void intrinsics_gradient(const opms_lens_t *lens, double x, double y, len
                                 double *jac)
 {
     const double r2 = x * x + y * y;
-    const double u[8] = {bend.xd, 0.0, 1.0, 0.0, lens->fx_px * x * r2, lens->fx_px * x * r2 * r2,
-                         lens->fx_px * 2.0 * x * y, lens->fx_px * (r2 + 2.0 * x * x)};
-    const double v[8] = {0.0, bend.yd, 0.0, 1.0, lens->fy_px * y * r2, lens->fy_px * y * r2 * r2,
-                         lens->fy_px * (r2 + 2.0 * y * y), lens->fy_px * 2.0 * x * y};
+    const double u[8] = {bend.xd,
+                         0.0,
+                         1.0,
+                         0.0,
+                         lens->fx_px * x * r2,
+                         lens->fx_px * x * r2 * r2,
+                         lens->fx_px * 2.0 * x * y,
+                         lens->fx_px * (r2 + 2.0 * x * x)};
+    const double v[8] = {0.0,
+                         bend.yd,
+                         0.0,
+                         1.0,
+                         lens->fy_px * y * r2,
+                         lens->fy_px * y * r2 * r2,
+                         lens->fy_px * (r2 + 2.0 * y * y),
+                         lens->fy_px * 2.0 * x * y};
     for (int i = 0; i < 8; ++i) {
         jac[i] = u[i];
         jac[8 + i] = v[i];
@@ -35,7 +47,9 @@ opms_status_t opms_lens_project(const opms_lens_t *lens, const double point_m[3]
 {
     if (!lens || !point_m || !px) {
         return opms_fail(err, OPMS_ERR_ARG, STAGE, -1, "%s is NULL",
-                         !lens ? "lens" : !point_m ? "point_m" : "px");
+                         !lens      ? "lens"
+                         : !point_m ? "point_m"
+                                    : "px");
     }
     if (!(point_m[2] > 0.0)) {
         return opms_fail(err, OPMS_ERR_DOMAIN, STAGE, -1,
@@ -115,8 +129,8 @@ static int unproject(const opms_lens_t *lens, double u, double v, double ray[2])
         lens_inside_fold(lens, ray[0], ray[1])) {
         return 1;
     }
-    return unproject_guarded(lens, (u - lens->cx_px) / lens->fx_px,
-                             (v - lens->cy_px) / lens->fy_px, ray);
+    return unproject_guarded(lens, (u - lens->cx_px) / lens->fx_px, (v - lens->cy_px) / lens->fy_px,
+                             ray);
 }
 
 opms_status_t opms_lens_unproject(const opms_lens_t *lens, const double px[2], double ray[2],
@@ -124,7 +138,9 @@ opms_status_t opms_lens_unproject(const opms_lens_t *lens, const double px[2], d
 {
     if (!lens || !px || !ray) {
         return opms_fail(err, OPMS_ERR_ARG, STAGE, -1, "%s is NULL",
-                         !lens ? "lens" : !px ? "px" : "ray");
+                         !lens ? "lens"
+                         : !px ? "px"
+                               : "ray");
     }
     const double half_width = 0.5 * lens->width_px;
     const double half_height = 0.5 * lens->height_px;

@@ -46,8 +46,7 @@ static inline int lens_project_ray(const opms_lens_t *lens, double x, double y, 
                                    double *v)
 {
     const double r2 = x * x + y * y;
-    const double gain = 1.0 + r2 * (lens->k1 + r2 * lens->k2) +
-                        2.0 * (lens->p1 * y + lens->p2 * x);
+    const double gain = 1.0 + r2 * (lens->k1 + r2 * lens->k2) + 2.0 * (lens->p1 * y + lens->p2 * x);
     *u = lens->fx_px * (x * gain + lens->p2 * r2) + lens->cx_px;
     *v = lens->fy_px * (y * gain + lens->p1 * r2) + lens->cy_px;
     return 1;

@@ -9,9 +9,11 @@
 #include "base/fail.h"
 #include "pose/pose_algebra.h"
 
-namespace opms::pose {
+namespace opms::pose
+{
 
-namespace {
+namespace
+{
 
 constexpr double ROTATION_TOLERANCE = 1e-6;
 constexpr double SYMMETRY_TOLERANCE = 1e-6;

@@ -7,7 +7,8 @@
 #include <opms/status.h>
 #include <opms/types.h>
 
-namespace opms::pose {
+namespace opms::pose
+{
 
 /** Finite, orthonormal to 1e-6, right-handed. `name` goes into the message. */
 opms_status_t check_transform(const opms_transform_t &transform, const char *name,

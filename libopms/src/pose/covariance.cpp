@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// The estimate is an M-estimate: with psi(z) = w(z) z and the curvature matrix D = sum psi'(z) J J^T its
+// The estimate is an M-estimate: with psi(z) = w(z) z and the curvature matrix
+// D = sum psi'+(z) J J^T, where psi'+ is psi' or 0 where that is negative, its
 // covariance is
-//   E[psi^2] / E[psi']  D^-1,
+//   E[psi^2] E[psi'+] / E[psi']^2  D^-1,
 // where the first factor is known for Gaussian noise of the stated sigmas, and is measured from the
 // residuals where they are larger than stated: only as far as they are so by more than chance, for
 // a few edges must not blow up an honest statement.
@@ -9,11 +10,13 @@
 
 #include "pose/edge_pair.h"
 
-namespace opms::pose {
+namespace opms::pose
+{
 
-namespace {
+namespace
+{
 
-constexpr double GAUSSIAN_INFLATION = 0.8599; // for TUKEY = 6 and a scale of 1
+constexpr double GAUSSIAN_INFLATION = 0.8626; // for TUKEY = 6 and a scale of 1
 constexpr int UNKNOWNS = 7;
 
 /* 0 below 0, 1 above 1, smooth between. */
@@ -52,7 +55,7 @@ void intrinsics_row(const opms_lens_t &lens, const Pair &x, const Pair &y, const
 
 FitQuality fit_quality(const EdgeSet &set, const Fit &fit, const double *z)
 {
-    double psi2 = 0.0, curvature = 0.0, counted = 0.0;
+    double psi2 = 0.0, slopes = 0.0, curvature = 0.0, counted = 0.0;
     double used_z2 = 0.0, used_px2 = 0.0, used_w = 0.0;
     FitQuality quality = {};
     for (uint32_t i = 0; i < set.count; ++i) {
@@ -62,9 +65,13 @@ FitQuality fit_quality(const EdgeSet &set, const Fit &fit, const double *z)
         }
         counted += 1.0;
         psi2 += w * w * z[i] * z[i];
-        curvature += tukey_curvature(z[i], fit.scale);
+        const double part = z[i] / (TUKEY * fit.scale);
+        const double rest = 1.0 - part * part;
+        const double slope = rest * (rest - 4.0 * part * part);
+        slopes += slope;
+        curvature += std::max(0.0, slope);
         if (w > 0.5) {
-            const double px = z[i] / set.is[i];
+            const double px = z[i] * set.sigma_px[i];
             ++quality.used;
             used_z2 += z[i] * z[i];
             used_px2 += w * px * px;
@@ -77,8 +84,8 @@ FitQuality fit_quality(const EdgeSet &set, const Fit &fit, const double *z)
         quality.residual_px = std::sqrt(used_px2 / used_w);
     }
     const double freedom = counted - UNKNOWNS;
-    if (freedom > 0.0 && curvature > 0.0) {
-        const double measured = psi2 / curvature * (counted / freedom);
+    if (freedom > 0.0 && slopes > 0.0) {
+        const double measured = psi2 * curvature / (slopes * slopes) * (counted / freedom);
         const double excess = measured / GAUSSIAN_INFLATION - 1.0;
         const double chance = 2.0 * std::sqrt(2.0 / freedom);
         quality.inflation *= 1.0 + std::max(0.0, excess) * smooth_step(excess / chance);

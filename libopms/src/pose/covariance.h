@@ -6,7 +6,8 @@
 
 #include "pose/refine.h"
 
-namespace opms::pose {
+namespace opms::pose
+{
 
 /** What the residuals say about a fit. */
 struct FitQuality {

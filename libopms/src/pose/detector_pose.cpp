@@ -13,7 +13,8 @@
 #include "pose/camera_check.h"
 #include "pose/pose_algebra.h"
 
-namespace {
+namespace
+{
 
 using namespace opms::pose;
 
@@ -80,8 +81,7 @@ opms_status_t opms_pose_detector(const opms_pose_result_t *bar_camera, const opm
         by_mounting.topLeftCorner<3, 3>() = -R_dc;
         by_mounting.bottomLeftCorner<3, 3>() = -lever;
         by_mounting.bottomRightCorner<3, 3>() = -R_gd;
-        const Mat6 mounting =
-            Eigen::Map<const RowMajor<6, 6>>(camera->covariance_detector_camera);
+        const Mat6 mounting = Eigen::Map<const RowMajor<6, 6>>(camera->covariance_detector_camera);
         covariance += by_mounting * mounting * by_mounting.transpose();
         parts |= OPMS_COVARIANCE_DETECTOR_CAMERA;
     }

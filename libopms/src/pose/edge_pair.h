@@ -10,7 +10,8 @@
 
 #include "pose/refine.h"
 
-namespace opms::pose {
+namespace opms::pose
+{
 
 using Pair = Eigen::Array2d;
 
@@ -60,7 +61,7 @@ struct EdgePair {
         row[6] = -is;
     }
 
-    /** As tukey_curvature(). */
+    /** Slope of Tukey's weight times residual, not below 0: what it adds to the cost's curvature. */
     Pair curvature(double scale) const
     {
         const Pair part = z * (1.0 / (TUKEY * scale));
@@ -69,7 +70,7 @@ struct EdgePair {
         return (rest * (rest - 4.0 * part2)).max(Pair::Zero());
     }
 
-private:
+  private:
     static Pair load(const double *column)
     {
         return Eigen::Map<const Pair, Eigen::Aligned16>(column);

@@ -3,9 +3,11 @@
 
 #include "lens/lens_fast.h"
 
-namespace opms::pose {
+namespace opms::pose
+{
 
-namespace {
+namespace
+{
 
 constexpr uint32_t SAMPLE_SIZE = 72;
 constexpr uint32_t SAMPLE_FROM = 240; // fewer edges than this are all looked at
@@ -94,6 +96,7 @@ void edge_set_fill(EdgeSet &set, const opms_lens_t &lens, const opms_edge_t *edg
         RayLine line;
         const bool reached = line_of_edge(lens, edge, guess ? &seen : nullptr, line);
         const double information = 1.0 / edge.sigma_px;
+        set.sigma_px[i] = edge.sigma_px;
         set.X[i] = edge.bar_m[0];
         set.Y[i] = edge.bar_m[1];
         set.is[i] = reached ? edge.shift_gain * information : 0.0;

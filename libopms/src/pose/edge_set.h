@@ -16,7 +16,8 @@
 
 #include "pose/pose_algebra.h"
 
-namespace opms::pose {
+namespace opms::pose
+{
 
 /** Camera to bar, and the common outward shift of the edges. */
 struct Placement {
@@ -38,7 +39,8 @@ struct EdgeSet {
     alignas(16) double mx[CAPACITY]; /**< m / sigma */
     alignas(16) double my[CAPACITY];
     alignas(16) double c[CAPACITY];  /**< m.x_q / sigma */
-    alignas(16) double is[CAPACITY]; /**< shift gain / sigma */
+    alignas(16) double is[CAPACITY]; /**< the edge's part in the shift / sigma */
+    double sigma_px[CAPACITY];
 };
 
 /** Choose the order; no edge is taken over yet. */

@@ -15,18 +15,20 @@
 
 #include "pose/refine.h"
 
-namespace opms::pose {
+namespace opms::pose
+{
 
-namespace {
+namespace
+{
 
 using Vec9 = Eigen::Matrix<double, 9, 1>; // H row by row without its last entry; the shift in px
 using Mat9 = Eigen::Matrix<double, 9, 9>;
 
 constexpr int PASSES_MIN = 3;
 constexpr int PASSES_MAX = 10;
-constexpr double SCALE_GOOD = 1.5;     // outliers have lost their pull
-constexpr double LEVER_M = 0.002;      // length over which a normal is believed
-constexpr double SLOPE_PER_M = 5.0;    // usual relative change of the depth over the plane
+constexpr double SCALE_GOOD = 1.5;  // outliers have lost their pull
+constexpr double LEVER_M = 0.002;   // length over which a normal is believed
+constexpr double SLOPE_PER_M = 5.0; // usual relative change of the depth over the plane
 
 /* Coordinates about the middle, in units of the spread, of the plane and of the rays. */
 struct Units {
@@ -103,7 +105,7 @@ void add_edge(Moments &moments, const Row &row, double lever2, double depth, dou
     const double lines[6] = {weight * l[0] * l[0], weight * l[0] * l[1], weight * l[0] * l[2],
                              weight * l[1] * l[1], weight * l[1] * l[2], weight * l[2] * l[2]};
     const double points[6] = {row.X * row.X + (row.along_x ? lever2 : 0.0), row.X * row.Y, row.X,
-                              row.Y * row.Y + (row.along_x ? 0.0 : lever2), row.Y, 1.0};
+                              row.Y * row.Y + (row.along_x ? 0.0 : lever2), row.Y,         1.0};
     for (int a = 0; a < 6; ++a) {
         for (int b = 0; b < 6; ++b) {
             moments.sum[a][b] += lines[a] * points[b];
@@ -171,7 +173,7 @@ void weighted_moments(const EdgeSet &set, uint32_t n, const opms_edge_t *edges, 
     moments = {};
     for (uint32_t i = 0; i < n; ++i) {
         const Row row = row_of(set, i, edges, units);
-        double weight = row.shift > 0.0 ? 1.0 : 0.0;
+        double weight = row.l[0] != 0.0 || row.l[1] != 0.0 ? 1.0 : 0.0; // else not reached
         double depth = 1.0;
         if (h) {
             const double part = z[i] / (2.0 * scale);

@@ -6,7 +6,8 @@
 
 #include "pose/edge_set.h"
 
-namespace opms::pose {
+namespace opms::pose
+{
 
 /** The plane seen near the middle of the edges: all that a planar pose needs. */
 struct PlaneView {

@@ -6,9 +6,11 @@
 // follows from the columns' length, up to its sign.
 #include "pose/planar.h"
 
-namespace opms::pose {
+namespace opms::pose
+{
 
-namespace {
+namespace
+{
 
 /* Rotation that takes the z axis to the direction of v. */
 Mat3 turn_axis_to(const Vec3 &v)

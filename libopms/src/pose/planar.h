@@ -6,7 +6,8 @@
 
 #include "pose/homography_start.h"
 
-namespace opms::pose {
+namespace opms::pose
+{
 
 /** The two poses with that view of the plane, its printed face towards the camera.
  *

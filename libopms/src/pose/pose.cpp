@@ -11,7 +11,8 @@
 #include "pose/planar.h"
 #include "pose/refine.h"
 
-namespace {
+namespace
+{
 
 using namespace opms::pose;
 
@@ -35,10 +36,11 @@ opms_status_t fail_arg(opms_error_t *err, int32_t index, const char *what)
 
 opms_status_t check_lens(const opms_lens_t &lens, opms_error_t *err)
 {
-    const double sum = lens.fx_px + lens.fy_px + lens.cx_px + lens.cy_px + lens.k1 + lens.k2 +
-                       lens.p1 + lens.p2;
+    const double sum =
+        lens.fx_px + lens.fy_px + lens.cx_px + lens.cy_px + lens.k1 + lens.k2 + lens.p1 + lens.p2;
     if (!std::isfinite(sum) || !(lens.fx_px > 0.0) || !(lens.fy_px > 0.0)) {
-        return fail_arg(err, -1, "lens has a value that is not finite or a focal length not above 0");
+        return fail_arg(err, -1,
+                        "lens has a value that is not finite or a focal length not above 0");
     }
     return OPMS_OK;
 }

@@ -13,7 +13,8 @@
 
 #include <opms/types.h>
 
-namespace opms::pose {
+namespace opms::pose
+{
 
 using Vec3 = Eigen::Vector3d;
 using Mat3 = Eigen::Matrix3d;

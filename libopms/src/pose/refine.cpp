@@ -7,11 +7,13 @@
 
 #include "pose/edge_pair.h"
 
-namespace opms::pose {
+namespace opms::pose
+{
 
-namespace {
+namespace
+{
 
-constexpr double ROUNDING = 1e-7; // chi2 by which a good step may seem to be worse
+constexpr double ROUNDING = 1e-7;    // chi2 by which a good step may seem to be worse
 constexpr double DAMPING_MIN = 1e-5; // of a unit diagonal: acts on the weakest direction alone
 constexpr double DAMPING_MAX = 1e6;
 
@@ -186,8 +188,7 @@ void refine(const EdgeSet &set, uint32_t n, const RefinePlan &plan, Fit &fit)
                 follow_scale(set, n, plan, fit);
                 continue;
             }
-            normal_equations(set, n, trial.placement, trial.scale, plan.steps,
-                             trial.normal);
+            normal_equations(set, n, trial.placement, trial.scale, plan.steps, trial.normal);
             better = trial.normal.in_front && trial.normal.cost <= fit.normal.cost + ROUNDING;
             if (better) {
                 trial.converged = false;

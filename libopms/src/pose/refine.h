@@ -8,7 +8,8 @@
 
 #include "pose/edge_set.h"
 
-namespace opms::pose {
+namespace opms::pose
+{
 
 /** Tukey's constant: residuals from here on, in units of the scale, have no weight. Under Gaussian noise
  * the estimate keeps 98 % of the least-squares efficiency. */
@@ -20,14 +21,6 @@ inline double tukey_weight(double residual, double scale)
     const double part = residual / (TUKEY * scale);
     const double rest = 1.0 - part * part;
     return rest > 0.0 ? rest * rest : 0.0;
-}
-
-/** Slope of weight times residual, not below 0: what a residual adds to the curvature of the cost. */
-inline double tukey_curvature(double residual, double scale)
-{
-    const double part = residual / (TUKEY * scale);
-    const double rest = 1.0 - part * part;
-    return rest > 0.0 ? std::max(0.0, rest * (rest - 4.0 * part * part)) : 0.0;
 }
 
 /** What an edge adds to the matrix of the normal equations. */
