@@ -39,6 +39,7 @@ struct opms_bar_detector {
     view_t view;
     quad_limits_t limits;
     long traces_left;
+    int settled; /* the bar is found and cannot be measured: no use to search on */
     int rejected_count;
     rejected_t rejected[REJECTED_MAX];
     /* Results. */
@@ -221,7 +222,8 @@ static void reject(opms_bar_detector_t *d, point_t centre, float radius)
     }
 }
 
-/** Cheap look before a contour is followed: is the run's middle dark, and bounded across the line? */
+/** Cheap look before a contour is followed: is the run's middle dark, and bounded across the line?
+ * Returns the run's length across the line, or 0. */
 static int plausible(const view_t *view, const search_line_t *line, const dark_run_t *run, int longest)
 {
     const int middle = line->from + run->middle;
@@ -245,17 +247,22 @@ static int plausible(const view_t *view, const search_line_t *line, const dark_r
             py += way * dy;
         }
     }
-    return across >= SHORTEST_RUN_PX && across * 6 >= run->length;
+    return across >= SHORTEST_RUN_PX && across * 6 >= run->length ? across : 0;
 }
 
-static int find_seed(opms_bar_detector_t *d, const search_line_t *line, const dark_run_t *run, quad_t *quad)
+static int find_seed(opms_bar_detector_t *d, const search_line_t *line, const dark_run_t *run, int across,
+                     quad_t *quad)
 {
     static const float part[2] = {0.5f, 0.3f};
     const int middle = line->from + run->middle;
     const int x = line->upright ? line->at : middle, y = line->upright ? middle : line->at;
+    /* A contour much longer than the two chords is grass or soil. */
+    quad_limits_t limits = d->limits;
+    const int longest = 5 * (run->length + across) + 20;
+    limits.longest_contour = longest < limits.longest_contour ? longest : limits.longest_contour;
     for (int i = 0; i < 2; ++i) {
         const float threshold = (float)run->black + part[i] * (float)(run->white - run->black);
-        if (quad_trace(&d->view, x, y, threshold, &d->limits, d->points, quad)) {
+        if (quad_trace(&d->view, x, y, threshold, &limits, d->points, quad)) {
             return 1;
         }
     }
@@ -397,12 +404,14 @@ static opms_bar_state_t try_seed(opms_bar_detector_t *d, const quad_t *seed, flo
     }
     plane_map_relabel(&map, labels.turn, BAR_PITCH_MM * (labels.offset - OPMS_BAR_ORIGIN));
     edge_scene_t scene = {&d->view, &d->local_lens, d->ray_limit, map, shift_px, {1, 1},
-                          {BLUR_START_PX, BLUR_START_PX}};
+                          {BLUR_START_PX, BLUR_START_PX}, {0, 0}, 0, 1};
     const int a = chain.square[0].place, b = chain.square[chain.count - 1].place;
     const int first = labels.turn ? labels.offset - b : labels.offset + a;
     const int last = labels.turn ? labels.offset - a : labels.offset + b;
-    if (!map_refine(&scene, first, last, contrast, &d->fit)) {
-        return OPMS_BAR_ABSENT;
+    const map_verdict_t refined = map_refine(&scene, first, last, contrast, &d->fit);
+    if (refined != MAP_FIRM) {
+        d->settled = refined == MAP_UNSURE;
+        return refined == MAP_UNSURE ? OPMS_BAR_AMBIGUOUS : OPMS_BAR_ABSENT;
     }
     double margin = 0;
     const label_verdict_t again = check_labels(d, &scene, &margin);
@@ -415,7 +424,7 @@ static opms_bar_state_t try_seed(opms_bar_detector_t *d, const quad_t *seed, flo
     return OPMS_BAR_LOCATED;
 }
 
-/** Search one line; 1 when the bar is located. */
+/** Search one line; 1 when the bar is found and there is nothing more to search for. */
 static int search_line(opms_bar_detector_t *d, const search_line_t *line, int contrast,
                        const opms_roi_t *roi, opms_bar_summary_t *summary)
 {
@@ -431,12 +440,16 @@ static int search_line(opms_bar_detector_t *d, const search_line_t *line, int co
         const int middle = line->from + run.middle;
         const float x = (float)(line->upright ? line->at : middle);
         const float y = (float)(line->upright ? middle : line->at);
-        if (was_rejected(d, x, y) || !plausible(&d->view, line, &run, longest) || d->traces_left <= 0) {
+        if (d->traces_left <= 0 || was_rejected(d, x, y)) {
+            continue;
+        }
+        const int across = plausible(&d->view, line, &run, longest);
+        if (!across) {
             continue;
         }
         --d->traces_left;
         quad_t seed;
-        if (!find_seed(d, line, &run, &seed)) {
+        if (!find_seed(d, line, &run, across, &seed)) {
             continue;
         }
         const opms_bar_state_t state = try_seed(d, &seed, (float)contrast, roi, summary);
@@ -445,6 +458,9 @@ static int search_line(opms_bar_detector_t *d, const search_line_t *line, int co
         }
         if (state == OPMS_BAR_AMBIGUOUS) {
             summary->state = state;
+            if (d->settled) {
+                return 1;
+            }
         }
         reject(d, seed.centre, 0.4f * seed.shortest);
     }
@@ -516,6 +532,7 @@ static void begin(opms_bar_detector_t *d, const opms_image_t *image, const opms_
     d->limits.shortest_side = 5.f;
     d->traces_left = 4000 + (long)d->view.width * d->view.height / 400;
     d->rejected_count = 0;
+    d->settled = 0;
     d->square_count = d->edge_count = 0;
 }
 

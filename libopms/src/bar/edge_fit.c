@@ -2,10 +2,10 @@
 #include "bar/edge_fit.h"
 
 #include <math.h>
-#include <string.h>
 
 #include "bar/bar_code.h"
 #include "bar/edge_profile.h"
+#include "bar/stretch_fit.h"
 
 /* The pixels next to a side are taken in lines across it: rows of the picture where the side is
  * nearer to upright, columns otherwise. In each line the signed distance of a pixel from the
@@ -13,7 +13,6 @@
  * which black level, contrast and a small displacement are solved for by linear least squares. */
 
 #define LINES_A_STRETCH 5
-#define PIXELS_LEAST 10
 
 /** Where a side is expected in the picture: a parabola through three projected points. */
 typedef struct side_curve {
@@ -74,101 +73,6 @@ static int side_predict(const edge_scene_t *scene, int square, int side, side_cu
     return curve->px_per_mm > 0.05;
 }
 
-/** Sums of the least squares of one stretch: regressors 1, w (white coverage), g (its slope along
- * the normal), h (its derivative by the blur). */
-typedef struct fit_sums {
-    float n, w, g, h, i;
-    float ww, wg, gg, hw, hg, hh;
-    float iw, ig, ih, ii;
-    float along;
-    uint32_t saturated;
-} fit_sums_t;
-
-/** One line of pixels across a side. */
-typedef struct fit_line {
-    float s_first, s_step; /* distance from the expected edge, outward: of the first pixel, and step */
-    int count;
-    float corner;     /* part of the side that is there, 1 away from the corners */
-    float cells;      /* part of the code cells beyond the gap that is black here */
-    float cell_near, cell_far; /* distance of the black cells' two borders, px */
-} fit_line_t;
-
-static void add_line(fit_sums_t *sums, const fit_line_t *line, const float *grey, float blur,
-                     float saturation)
-{
-    const float per_blur = 1.f / blur;
-    for (int k = 0; k < line->count; ++k) {
-        const float s = line->s_first + (float)k * line->s_step;
-        const edge_profile_t edge = edge_profile(s * per_blur);
-        float w = 1.f - (1.f - edge.step) * line->corner;
-        const float g = edge.pulse * per_blur * line->corner;
-        const float h = -s * per_blur * g;
-        if (line->cells > 0.f) {
-            w -= line->cells * (edge_profile((s - line->cell_near) * per_blur).step -
-                                edge_profile((s - line->cell_far) * per_blur).step);
-        }
-        const float i = grey[k];
-        sums->saturated += i >= saturation;
-        sums->n += 1.f;
-        sums->w += w;
-        sums->g += g;
-        sums->h += h;
-        sums->i += i;
-        sums->ww += w * w;
-        sums->wg += w * g;
-        sums->gg += g * g;
-        sums->hw += h * w;
-        sums->hg += h * g;
-        sums->hh += h * h;
-        sums->iw += i * w;
-        sums->ig += i * g;
-        sums->ih += i * h;
-        sums->ii += i * i;
-    }
-}
-
-/** Solve a stretch; 0 where it has no edge that can be placed. */
-static int solve_stretch(const fit_sums_t *f, stretch_t *out)
-{
-    if (f->n < PIXELS_LEAST) {
-        return 0;
-    }
-    const double n = (double)f->n;
-    const double ww = (double)f->ww - (double)f->w * (double)f->w / n;
-    const double wg = (double)f->wg - (double)f->w * (double)f->g / n;
-    const double gg = (double)f->gg - (double)f->g * (double)f->g / n;
-    const double iw = (double)f->iw - (double)f->i * (double)f->w / n;
-    const double ig = (double)f->ig - (double)f->i * (double)f->g / n;
-    const double ii = (double)f->ii - (double)f->i * (double)f->i / n;
-    const double det = ww * gg - wg * wg;
-    if (!(det > 1e-3 * ww * gg)) {
-        return 0;
-    }
-    const double contrast = (gg * iw - wg * ig) / det;
-    const double slope = (ww * ig - wg * iw) / det;
-    if (!(contrast > 0)) {
-        return 0;
-    }
-    const double rss = ii - contrast * iw - slope * ig;
-    out->pixels = (uint16_t)(f->n < 65535.f ? f->n : 65535.f);
-    out->saturated = (uint16_t)(f->saturated < 65535u ? f->saturated : 65535u);
-    out->contrast = (float)contrast;
-    out->black = (float)(((double)f->i - contrast * (double)f->w - slope * (double)f->g) / n);
-    out->offset_px = (float)(-slope / contrast);
-    out->sigma_unit = (float)(sqrt(ww / det) / contrast);
-    out->variance = (float)((rss > 0 ? rss : 0) / (n - 3));
-    /* What is left of h when the other regressors are taken off, against the residual. */
-    const double hw = (double)f->hw - (double)f->h * (double)f->w / n;
-    const double hg = (double)f->hg - (double)f->h * (double)f->g / n;
-    const double hh = (double)f->hh - (double)f->h * (double)f->h / n;
-    const double ih = (double)f->ih - (double)f->i * (double)f->h / n;
-    const double on_w = (gg * hw - wg * hg) / det, on_g = (ww * hg - wg * hw) / det;
-    const double left = hh - on_w * hw - on_g * hg;
-    out->blur_weight = (float)(contrast * contrast * (left > 0 ? left : 0));
-    out->blur_slope = (float)(contrast * (ih - on_w * iw - on_g * ig));
-    return 1;
-}
-
 /** How much of the code cells beyond a side (along X, at x_mm) is black, under the blur. */
 static float cells_at(unsigned mask, double x_mm, double px_per_mm_along, float blur)
 {
@@ -195,20 +99,32 @@ typedef struct side_window {
     double trim;            /* of tau at each end */
 } side_window_t;
 
-static side_window_t window_of(const side_curve_t *curve, int side, float blur)
+/** Standard deviation of the blur where the picture has a given scale. */
+static double blur_at(const edge_scene_t *scene, int family, double px_per_mm)
+{
+    const double still = fmin(scene->blur_px[0], scene->blur_px[1]);
+    const double total = scene->blur_px[family];
+    if (total <= still || !(scene->blur_scale[family] > 0)) {
+        return total;
+    }
+    const double ratio = px_per_mm / scene->blur_scale[family];
+    return sqrt(still * still + (total * total - still * still) * ratio * ratio);
+}
+
+static side_window_t window_of(const side_curve_t *curve, int side, double blur, double blur_along)
 {
     side_window_t window;
-    const double wide = 2.6 * (double)blur + 0.5;
+    const double wide = 2.6 * blur + 0.5;
     window.inside = fmin(wide, 13.0 * curve->px_per_mm);
     if (side == 1 || side == 3) {
         /* Up to the middle of the cells, which are modelled. */
         window.outside = fmin(wide, (BAR_CELL_GAP_MM + 4.0) * curve->px_per_mm);
     } else {
         /* Beyond the bar lies the ground, of unknown brightness: stay off its blur. */
-        window.outside = fmin(wide, fmax(5.0 * curve->px_per_mm - 2.2 * (double)blur,
+        window.outside = fmin(wide, fmax(5.0 * curve->px_per_mm - 2.2 * blur,
                                          2.0 * curve->px_per_mm));
     }
-    window.trim = fmin(0.5, (0.9 * (double)blur + 0.3) / curve->half_px);
+    window.trim = fmin(0.5, (0.9 * blur_along + 0.3) / curve->half_px);
     return window;
 }
 
@@ -226,8 +142,6 @@ static void load_pixels(const view_t *view, int along_axis, int main, int first,
     }
 }
 
-#define LINE_PIXELS_MAX 64
-
 static int fit_side(const edge_scene_t *scene, int square, int side, stretch_t *stretches)
 {
     side_curve_t curve;
@@ -236,8 +150,11 @@ static int fit_side(const edge_scene_t *scene, int square, int side, stretch_t *
     }
     const view_t *view = scene->view;
     const int family = side == 1 || side == 3;
-    const float blur = (float)scene->blur_px[family];
-    const side_window_t window = window_of(&curve, side, blur);
+    const double sigma = blur_at(scene, family, curve.px_per_mm);
+    const double still = fmin(scene->blur_px[0], scene->blur_px[1]);
+    const edge_blur_t blur = edge_blur_of(sigma, still);
+    const float sigma_along = (float)blur_at(scene, !family, curve.half_px / BAR_HALF_SQUARE_MM);
+    const side_window_t window = window_of(&curve, side, sigma, (double)sigma_along);
     const int m = curve.along_axis, c = 1 - m;
     const int main_size = m == 0 ? view->width : view->height;
     const int cross_size = c == 0 ? view->width : view->height;
@@ -245,24 +162,22 @@ static int fit_side(const edge_scene_t *scene, int square, int side, stretch_t *
     const double a = curve.p0[m] - reach * curve.p1[m] + reach * reach * curve.p2[m];
     const double b = curve.p0[m] + reach * curve.p1[m] + reach * reach * curve.p2[m];
     const int from = (int)fmax(ceil(fmin(a, b)), 0), to = (int)fmin(floor(fmax(a, b)), main_size - 1);
-    const int lines = to - from + 1;
-    if (lines < 2) {
+    const int line_count = to - from + 1;
+    if (line_count < 2) {
         return 0;
     }
-    int parts = (lines + LINES_A_STRETCH / 2) / LINES_A_STRETCH;
+    int parts = (line_count + LINES_A_STRETCH / 2) / LINES_A_STRETCH;
     parts = parts < 1 ? 1 : parts > OPMS_BAR_EDGES_PER_SIDE ? OPMS_BAR_EDGES_PER_SIDE : parts;
 
     const unsigned cells = family ? bar_gap_cells(square, side == 3 ? 1 : -1) : 0;
     const float shift = (float)(scene->shift_px * scene->shift_gain[family]);
-    const float saturation = (float)view->white_level - 0.5f;
+    fit_line_t lines[STRETCH_LINES_MAX];
     int found = 0;
     for (int part = 0; part < parts; ++part) {
-        fit_sums_t sums;
-        memset(&sums, 0, sizeof sums);
-        const int part_from = from + lines * part / parts, part_to = from + lines * (part + 1) / parts;
+        const int part_from = from + line_count * part / parts, part_to = from + line_count * (part + 1) / parts;
         double along = 0;
         int used = 0;
-        for (int main = part_from; main < part_to; ++main) {
+        for (int main = part_from; main < part_to && used < STRETCH_LINES_MAX; ++main) {
             double tau = (main - curve.p0[m]) / curve.p1[m];
             tau = (main - curve.p0[m] - curve.p2[m] * tau * tau) / curve.p1[m];
             const double edge = curve.p0[c] + tau * (curve.p1[c] + tau * curve.p2[c]);
@@ -275,28 +190,26 @@ static int fit_side(const edge_scene_t *scene, int square, int side, stretch_t *
             if (first < 1 || last > cross_size - 2 || last - first >= LINE_PIXELS_MAX) {
                 continue;
             }
-            fit_line_t line;
-            line.count = last - first + 1;
-            line.s_step = (float)(curve.sign * curve.cosine);
-            line.s_first = (float)(curve.sign * curve.cosine * (first - edge)) - shift;
+            fit_line_t *line = &lines[used];
+            line->count = last - first + 1;
+            line->s_step = (float)(curve.sign * curve.cosine);
+            line->s_first = (float)(curve.sign * curve.cosine * (first - edge)) - shift;
             const float ends[2] = {(float)((1 - tau) * curve.half_px + (double)shift),
                                    (float)((1 + tau) * curve.half_px + (double)shift)};
-            line.corner = edge_profile(ends[0] / blur).step * edge_profile(ends[1] / blur).step;
-            line.cells = 0;
+            line->corner = edge_profile(ends[0] / sigma_along).step * edge_profile(ends[1] / sigma_along).step;
+            line->cells = 0;
             if (cells) {
                 const double x_mm = BAR_HALF_SQUARE_MM * tau;
-                line.cells = cells_at(cells, x_mm, curve.half_px / BAR_HALF_SQUARE_MM, blur);
-                line.cell_near = (float)(BAR_CELL_GAP_MM * curve.px_per_mm) - 2.f * shift;
-                line.cell_far = (float)((BAR_CELL_GAP_MM + BAR_CELL_Y_MM) * curve.px_per_mm);
+                line->cells = cells_at(cells, x_mm, curve.half_px / BAR_HALF_SQUARE_MM, sigma_along);
+                line->cell_near = (float)(BAR_CELL_GAP_MM * curve.px_per_mm) - 2.f * shift;
+                line->cell_far = (float)((BAR_CELL_GAP_MM + BAR_CELL_Y_MM) * curve.px_per_mm);
             }
-            float grey[LINE_PIXELS_MAX];
-            load_pixels(view, curve.along_axis, main, first, line.count, grey);
-            add_line(&sums, &line, grey, blur, saturation);
+            load_pixels(view, curve.along_axis, main, first, line->count, line->grey);
             along += tau;
             ++used;
         }
         stretch_t *out = &stretches[found];
-        if (used == 0 || !solve_stretch(&sums, out)) {
+        if (used == 0 || !stretch_fit(lines, used, &blur, sigma, scene->clip, view->white_level, out)) {
             continue;
         }
         const double tau = along / used;
@@ -308,6 +221,7 @@ static int fit_side(const edge_scene_t *scene, int square, int side, stretch_t *
             out->normal[axis] = (float)curve.normal[axis];
         }
         out->offset_px += shift;
+        out->px_per_mm = (float)curve.px_per_mm;
         ++found;
     }
     return found;

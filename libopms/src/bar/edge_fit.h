@@ -17,22 +17,29 @@ typedef struct edge_scene {
     plane_map_t map;
     double shift_px;      /**< common outward shift of the sides */
     double shift_gain[2]; /**< by which a family of sides takes part in it; families as blur_px */
-    double blur_px[2]; /**< of the sides along Y (X = +-10 mm), and of those along X */
+    double blur_px[2]; /**< standard deviation, of the sides along Y (X = +-10 mm) and of those along X */
+    double blur_scale[2]; /**< px per mm across those sides where the blur is as stated: what of it comes from
+                               motion grows with the scale */
+    int still;         /**< the picture is known not to have moved: one blur for all sides */
+    double clip;       /**< part of the true contrast at which white saturates, 1 if it does not */
 } edge_scene_t;
 
 /** One stretch of a side, as fitted. */
 typedef struct stretch {
     int16_t square, side;
     uint16_t pixels;
-    uint16_t saturated;   /**< white pixels at the white level */
+    uint16_t saturated;   /**< pixels at the white level */
     float along_mm;       /**< position of its middle along the side */
     float normal[2];      /**< outward, unit */
     float predicted[2];   /**< unshifted edge of the map at along_mm, px */
     float offset_px;      /**< measured edge from `predicted`, outward */
     float sigma_unit;     /**< standard deviation of the offset for noise of one grey level */
-    float black, contrast; /**< grey levels */
+    float contrast;       /**< grey levels from black to white, or to saturation */
+    float px_per_mm;      /**< across the side */
     float variance;       /**< of the grey levels about the model */
-    float blur_slope, blur_weight; /**< information on the blur: Newton step = slope / weight */
+    /* Information on the picture's blur and clip, to be summed over stretches: weight matrix and
+     * right-hand side of their Newton step. */
+    float blur_slope, blur_weight, clip_slope, clip_weight, clip_blur;
 } stretch_t;
 
 /** Measure the visible stretches of one square's four sides.

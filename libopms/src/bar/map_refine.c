@@ -14,16 +14,24 @@
  * it knows. Then all squares are measured, once if nothing moves any more. */
 
 #define UNKNOWNS 9
-#define SCOUTING_MOST 6
+#define SCOUTING_MOST 14
 #define SCOUTING_SQUARES 6
 #define SCOUTED_PX 0.12f    /* movement after which all squares are measured */
+#define SHAPED 0.04f        /* change of blur (px) or clip that counts as none */
 #define PASSES_MOST 4
 #define SETTLED_PX 0.06f    /* movement after which no further pass is needed */
 #define BORDER_REACH_PX 40.0 /* a square's middle may lie this far outside and a side be seen */
 #define SCALE_SAMPLE 160
 #define TUKEY 4.685f
 #define GOOD_LEAST 12
-#define BLUR_LEAST 0.35
+#define BLUR_LEAST 0.25
+#define SHARED_BLUR 0.12      /* relative difference of the families' blurs that counts as none */
+#define CLIP_LEAST 0.15
+#define CLIP_OF_STILL 0.58
+#define CLIP_OF_MOTION 0.35
+#define SHIFT_OF_STILL_PX 0.8
+#define MOTION_RATIO 1.3
+#define SATURATED_LEAST 0.05 /* part of the pixels next to the sides that makes white saturated */
 #define BLUR_MOST 4.0
 
 /** Median by selection, in place: a few of the values end up in order, the rest does not. */
@@ -214,30 +222,36 @@ static int fit_map(bar_fit_t *fit, double change[UNKNOWNS], float *scale)
     return 1;
 }
 
+/** Take over the blur that the profiles ask for. Both families share one, the lens's, unless they
+ * differ for certain: then the picture moved. */
 static void update_blur(edge_scene_t *scene, const bar_fit_t *fit)
 {
-    double slope[2] = {0, 0}, weight[2] = {0, 0};
+    double slope[2] = {0, 0}, weight[2] = {0, 0}, scale[2] = {0, 0}, blur[2];
     for (int i = 0; i < fit->count; ++i) {
+        const stretch_t *s = &fit->stretch[i];
         if (fit->good[i]) {
-            const int family = fit->stretch[i].side & 1;
-            slope[family] += (double)fit->stretch[i].blur_slope;
-            weight[family] += (double)fit->stretch[i].blur_weight;
+            const int family = s->side & 1;
+            slope[family] += (double)s->blur_slope;
+            weight[family] += (double)s->blur_weight;
+            scale[family] += (double)(s->blur_weight * s->px_per_mm);
         }
     }
+    if (!(weight[0] > 0 && weight[1] > 0)) {
+        return;
+    }
     for (int family = 0; family < 2; ++family) {
-        if (weight[family] > 0) {
-            const double step = slope[family] / weight[family];
-            double blur = scene->blur_px[family] + fmax(-0.4, fmin(0.6, step));
-            blur = blur < BLUR_LEAST ? BLUR_LEAST : blur > BLUR_MOST ? BLUR_MOST : blur;
-            scene->blur_px[family] = blur;
-        }
+        blur[family] = scene->blur_px[family] + fmax(-0.4, fmin(0.6, slope[family] / weight[family]));
+        scene->blur_scale[family] = scale[family] / weight[family];
+    }
+    const double mean = (weight[0] * blur[0] + weight[1] * blur[1]) / (weight[0] + weight[1]);
+    const double sigma = (double)fit->noise * sqrt(1 / weight[0] + 1 / weight[1]);
+    const int shared = scene->still || fabs(blur[0] - blur[1]) < fmax(SHARED_BLUR * mean, 4 * sigma);
+    for (int family = 0; family < 2; ++family) {
+        scene->blur_px[family] = fmin(BLUR_MOST, fmax(BLUR_LEAST, shared ? mean : blur[family]));
     }
 }
 
-/** Where white is saturated, a profile is cut at the same part of its height on all sides, so the
- * side it seems to be at moves in proportion to the profile's width: motion blurs two of the four
- * sides more than the others. Without saturation all sides shift alike (print, exposure). */
-static void update_gain(edge_scene_t *scene, const bar_fit_t *fit)
+static double saturated_part(const bar_fit_t *fit)
 {
     double pixels = 0, saturated = 0;
     for (int i = 0; i < fit->count; ++i) {
@@ -246,7 +260,87 @@ static void update_gain(edge_scene_t *scene, const bar_fit_t *fit)
             saturated += fit->stretch[i].saturated;
         }
     }
-    const double part = pixels > 0 ? fmin(1, saturated / (0.05 * pixels)) : 0;
+    return pixels > 0 ? saturated / pixels : 0;
+}
+
+/** By how many true blurs a Gaussian step that is cut at `clip` seems shifted into the light. */
+static double shift_of_clip(double clip)
+{
+    /* A fit to the least-squares shift of a plain step fitted to a cut one, 0.2 to 1. */
+    const double open = 1 - clip;
+    return open * (1.1543 + open * (1.1761 + open * (-2.3947 + open * 2.0922)));
+}
+
+/** The clip at which a Gaussian step seems shifted by that much; the inverse of shift_of_clip(). */
+static double clip_of_shift(double shift)
+{
+    double low = CLIP_LEAST, high = 1;
+    for (int i = 0; i < 20; ++i) {
+        const double middle = 0.5 * (low + high);
+        if (shift_of_clip(middle) > shift) {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    return 0.5 * (low + high);
+}
+
+/** First guess of the clip from a fit without it: a profile that is cut seems shifted into the light
+ * and narrower. The table is that fit to a cut Gaussian step. */
+static void guess_clip(edge_scene_t *scene)
+{
+    static const struct {
+        double shift, clip, narrowing; /* shift in apparent blurs; apparent blur over true blur */
+    } table[] = {{0, 1, 1},           {0.142, 0.9, 0.864}, {0.348, 0.8, 0.758},
+                 {0.598, 0.7, 0.677}, {0.902, 0.6, 0.609}, {1.279, 0.5, 0.549},
+                 {1.760, 0.4, 0.495}, {2.409, 0.3, 0.442}, {3.382, 0.2, 0.386}};
+    const double shift = -scene->shift_px * scene->shift_gain[1] / scene->blur_px[1];
+    size_t k = 1;
+    while (k + 1 < sizeof table / sizeof table[0] && table[k].shift < shift) {
+        ++k;
+    }
+    double part = (shift - table[k - 1].shift) / (table[k].shift - table[k - 1].shift);
+    part = fmin(1, fmax(0.05, part));
+    scene->clip = table[k - 1].clip + part * (table[k].clip - table[k - 1].clip);
+    const double narrowing = table[k - 1].narrowing + part * (table[k].narrowing - table[k - 1].narrowing);
+    for (int family = 0; family < 2; ++family) {
+        scene->blur_px[family] = fmin(BLUR_MOST, scene->blur_px[family] / narrowing);
+    }
+    scene->shift_px = 0;
+}
+
+/** Where little is left of the profiles and all sides are cut alike, since the picture is still, the
+ * common shift does better than a model of the part that is missing: go back to it. */
+static int drop_clip(edge_scene_t *scene)
+{
+    const double ratio = scene->blur_px[0] / scene->blur_px[1];
+    if (scene->clip >= CLIP_OF_STILL || ratio > MOTION_RATIO || ratio < 1 / MOTION_RATIO) {
+        return 0;
+    }
+    scene->shift_px = -scene->blur_px[1] * shift_of_clip(scene->clip);
+    scene->blur_px[0] = scene->blur_px[1] = 0.55 * scene->blur_px[1];
+    scene->still = 1;
+    scene->clip = 1;
+    return 1;
+}
+
+/** Choose the clip that leaves no common shift: the shift of the sides along X is certain, because
+ * the pitch of the squares is known, and what saturation does not explain of it (print, exposure) is small. */
+static void update_clip(edge_scene_t *scene)
+{
+    const double shift = shift_of_clip(scene->clip) - scene->shift_px * scene->shift_gain[1] / scene->blur_px[1];
+    const double clip = clip_of_shift(fmax(0, shift));
+    scene->clip += fmax(-0.15, fmin(0.15, clip - scene->clip));
+    scene->clip = fmin(0.995, fmax(CLIP_LEAST, scene->clip));
+    scene->shift_px = 0;
+}
+
+/** What the clip leaves of a shift goes with the blur: motion blurs two of the four sides more than
+ * the others. Without saturation all sides shift alike (print, exposure). */
+static void update_gain(edge_scene_t *scene, const bar_fit_t *fit)
+{
+    const double part = fmin(1, saturated_part(fit) / 0.05);
     const double mean = 0.5 * (scene->blur_px[0] + scene->blur_px[1]);
     for (int family = 0; family < 2; ++family) {
         scene->shift_gain[family] = 1 + part * (scene->blur_px[family] / mean - 1);
@@ -319,10 +413,9 @@ static int run_pass(edge_scene_t *scene, const int *index, int count, float cont
         return 0;
     }
     result->moved_px = largest_change(fit, scene);
-    const double blur[2] = {scene->blur_px[0], scene->blur_px[1]};
+    const double blur[2] = {scene->blur_px[0], scene->blur_px[1]}, clip = scene->clip;
     update_blur(scene, fit);
     update_gain(scene, fit);
-    result->blurred_px = (float)fmax(fabs(scene->blur_px[0] - blur[0]), fabs(scene->blur_px[1] - blur[1]));
     if (confirm(fit, scale, &result->low, &result->high) < GOOD_LEAST || result->high <= result->low) {
         return 0;
     }
@@ -330,37 +423,58 @@ static int run_pass(edge_scene_t *scene, const int *index, int count, float cont
         scene->map.h[k] += change[k];
     }
     scene->shift_px = change[8];
+    if (clip < 1) {
+        update_clip(scene);
+    }
+    result->blurred_px = (float)fmax(fabs(scene->clip - clip), fmax(fabs(scene->blur_px[0] - blur[0]),
+                                                                    fabs(scene->blur_px[1] - blur[1])));
     return 1;
 }
 
-int map_refine(edge_scene_t *scene, int first, int last, float contrast, bar_fit_t *fit)
+map_verdict_t map_refine(edge_scene_t *scene, int first, int last, float contrast, bar_fit_t *fit)
 {
     int from = clamp_index(first), to = clamp_index(last);
     int index[OPMS_BAR_SQUARES];
     pass_result_t result = {0, 0, from, to};
+    int plain = 0; /* saturated, but better measured as if it were not */
     /* Scouting: few squares, until the range stands still and the blur is known. */
     for (int pass = 0; pass < SCOUTING_MOST; ++pass) {
         const int count = visible_squares(scene, from, to, SCOUTING_SQUARES, index);
         if (!run_pass(scene, index, count, contrast, 3.f, fit, &result)) {
-            return 0;
+            return MAP_LOST;
         }
         const int grow = 1 + (result.high - result.low) / 2;
         const int next_from = clamp_index(result.low - grow), next_to = clamp_index(result.high + grow);
         const int known = next_from >= from && next_to <= to;
         from = next_from < from ? next_from : from;
         to = next_to > to ? next_to : to;
-        if (known && result.moved_px < SCOUTED_PX && result.blurred_px < SCOUTED_PX) {
+        if (!plain && scene->clip >= 1 && saturated_part(fit) > SATURATED_LEAST) {
+            if (result.blurred_px < 0.06f || pass >= 5) {
+                guess_clip(scene);
+            }
+            continue;
+        }
+        if (known && result.moved_px < SCOUTED_PX && result.blurred_px < SHAPED) {
+            if (!plain && drop_clip(scene)) {
+                plain = 1;
+                continue;
+            }
             break;
+        }
+        if (pass >= SCOUTING_MOST / 2 && scene->clip < 1) {
+            plain = drop_clip(scene) || plain; /* it does not settle */
         }
     }
     for (int pass = 0; pass < PASSES_MOST; ++pass) {
         const int count = visible_squares(scene, from, to, OPMS_BAR_SQUARES, index);
         if (!run_pass(scene, index, count, contrast, 2.f, fit, &result)) {
-            return 0;
+            return MAP_LOST;
         }
-        if (result.moved_px < SETTLED_PX && result.blurred_px < SETTLED_PX) {
+        if (result.moved_px < SETTLED_PX && result.blurred_px < SHAPED) {
             break;
         }
     }
-    return 1;
+    const int cut_too_low = scene->clip < CLIP_OF_MOTION;
+    const int shifted_too_far = plain && fabs(scene->shift_px) > SHIFT_OF_STILL_PX;
+    return cut_too_low || shifted_too_far || result.blurred_px >= 2 * SHAPED ? MAP_UNSURE : MAP_FIRM;
 }

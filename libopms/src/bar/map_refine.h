@@ -8,6 +8,12 @@
 
 #include "bar/edge_fit.h"
 
+typedef enum map_verdict {
+    MAP_LOST, /**< too few stretches agree */
+    MAP_UNSURE,
+    MAP_FIRM
+} map_verdict_t;
+
 /** Stretches of the last pass and what they say together. */
 typedef struct bar_fit {
     int count;
@@ -23,7 +29,7 @@ typedef struct bar_fit {
  *
  * @param first, last  Range of squares that the map was fitted to.
  * @param contrast     Least grey levels from black to white.
- * @return 1 when enough stretches agree. */
-int map_refine(edge_scene_t *scene, int first, int last, float contrast, bar_fit_t *fit);
+ * @return MAP_UNSURE where so little is left of saturated, moving profiles that their middle is not known. */
+map_verdict_t map_refine(edge_scene_t *scene, int first, int last, float contrast, bar_fit_t *fit);
 
 #endif
