@@ -1,6 +1,5 @@
 """Binding of libopms; use the package opms."""
 
-from collections.abc import Sequence
 import enum
 from typing import Annotated
 
@@ -378,7 +377,7 @@ class BarDetector:
         Raises Error (ERR_ARG, ERR_DOMAIN, ERR_MEMORY).
         """
 
-    def detect(self, image: Annotated[NDArray, dict(device='cpu', writable=False)], *, roi: Sequence[int] | None = None, hint: Transform | None = None, white_level: int = 0) -> BarDetection:
+    def detect(self, image: numpy.typing.NDArray[numpy.uint8] | numpy.typing.NDArray[numpy.uint16], *, roi: tuple[int, int, int, int] | None = None, hint: Transform | None = None, white_level: int = 0) -> BarDetection:
         """
         Find the bar in a picture.
 
@@ -451,7 +450,7 @@ class Locator:
         in BarDetector. Raises Error (ERR_ARG, ERR_DOMAIN, ERR_MEMORY).
         """
 
-    def locate(self, image: Annotated[NDArray, dict(device='cpu', writable=False)], *, roi: Sequence[int] | None = None, hint: Transform | None = None, white_level: int = 0) -> Location:
+    def locate(self, image: numpy.typing.NDArray[numpy.uint8] | numpy.typing.NDArray[numpy.uint16], *, roi: tuple[int, int, int, int] | None = None, hint: Transform | None = None, white_level: int = 0) -> Location:
         """
         Locate the bar in one picture.
 

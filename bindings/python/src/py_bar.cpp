@@ -133,7 +133,12 @@ in parallel.)")
 min_square_px: shortest side of a square that the search must not miss, 6 to 64.
 Raises Error (ERR_ARG, ERR_DOMAIN, ERR_MEMORY).)")
         .def("detect", &BarDetector::detect, "image"_a, nb::kw_only(), "roi"_a = nb::none(),
-             "hint"_a = nb::none(), "white_level"_a = 0, R"(Find the bar in a picture.
+             "hint"_a = nb::none(), "white_level"_a = 0,
+             nb::sig("def detect(self, image: numpy.typing.NDArray[numpy.uint8] | "
+                     "numpy.typing.NDArray[numpy.uint16], *, "
+                     "roi: tuple[int, int, int, int] | None = None, "
+                     "hint: Transform | None = None, white_level: int = 0) -> BarDetection"),
+             R"(Find the bar in a picture.
 
 image: (height, width), uint8 or uint16, rows at any distance, read in place without a copy; do not
 change it meanwhile. roi: (x_px, y_px, width_px, height_px) in which squares are sought. hint:

@@ -181,7 +181,12 @@ parallel.)")
 bar_tilt_rad: positive where the printed face is turned away from the operator. min_square_px: as
 in BarDetector. Raises Error (ERR_ARG, ERR_DOMAIN, ERR_MEMORY).)")
         .def("locate", &Locator::locate, "image"_a, nb::kw_only(), "roi"_a = nb::none(),
-             "hint"_a = nb::none(), "white_level"_a = 0, R"(Locate the bar in one picture.
+             "hint"_a = nb::none(), "white_level"_a = 0,
+             nb::sig("def locate(self, image: numpy.typing.NDArray[numpy.uint8] | "
+                     "numpy.typing.NDArray[numpy.uint16], *, "
+                     "roi: tuple[int, int, int, int] | None = None, "
+                     "hint: Transform | None = None, white_level: int = 0) -> Location"),
+             R"(Locate the bar in one picture.
 
 image: (height, width), uint8 or uint16, rows at any distance, read in place without a copy; do not
 change it meanwhile. roi: (x_px, y_px, width_px, height_px) in which squares are sought. hint:
