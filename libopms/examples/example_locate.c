@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* From pictures to the detector's pose: example_locate TILT_DEG PICTURE.pgm...
  *
- * TILT_DEG is how far the bar's printed face is turned away from the operator, 0 for a flat bar. The
- * pictures are a sequence: each pose is the hint for the next picture. */
+ * TILT_DEG is how far the bar's printed face is turned away from the operator, 0 for a flat bar.
+ * The pictures are a sequence: each pose is the hint for the next picture. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

@@ -3,7 +3,8 @@
  * can be compared; a program gets them from opms_bar_detect() or from a detector of its own.
  *
  * Each side is measured in two stretches. With its middle alone nothing would tell how the squares
- * narrow with distance, and a bar turned about its long axis one way looks like one turned the other. */
+ * narrow with distance, and a bar turned about its long axis one way looks like one turned the
+ * other way. */
 #include <math.h>
 #include <stdio.h>
 
