@@ -20,12 +20,12 @@ import accuracy
 from bench_build import ROOT, build_bench_locate, install_napa
 from bench_calibration import covariance, volume_rows
 from bench_peers import all_peers
-from bench_render import Light
+from bench_render import KINDS, Light
 from bench_report import plot, table_markdown, verdicts, write_docs
 from bench_rotations import directions, rotations
 from bench_scenes import make_scenes, sweep
 from bench_stats import summarise
-from bench_table import draw, entry_to_json, limits_of, measure_libopms, measure_peer
+from bench_table import draw, entry_to_json, limits_of, measure_scene
 
 EXAMPLES = [ROOT / "tests" / "data" / "bar", ROOT / "tests" / "data" / "bar-motion"]
 SWEEP_STEP_M = 0.010  # 0.6 m/s at 60 pictures a second
@@ -63,8 +63,8 @@ def arguments() -> argparse.Namespace:
 def peers_table(options: argparse.Namespace, light: Light) -> bool:
     """The default: all detectors, both scenes, and the sweep for following."""
     count = options.count or (8 if options.quick else 60)
-    repeats = 1 if options.quick else 3
-    program = build_bench_locate(options.build, options.work)
+    rounds = 1 if options.quick else 3
+    program = build_bench_locate(options.build, options.work) or Path("bench_locate")
     if not options.no_napa:
         install_napa()
     peers = all_peers(not options.no_napa)
@@ -73,16 +73,12 @@ def peers_table(options: argparse.Namespace, light: Light) -> bool:
     entries, limits = [], {}
     for scene in [*scenes, swing]:
         print(f"bench: {scene.title}", file=sys.stderr)
-        only_own = scene is swing
-        pictures = draw(scene, light, options.seed, ("hope33",)) if only_own else \
-            draw(scene, light, options.seed)
+        rivals = [] if scene is swing else peers
+        pictures = draw(scene, light, options.seed, KINDS if rivals else ("hope33",))
         scene_limits = limits_of(scene, light)
         limits[scene.name] = float(np.sqrt(np.mean(np.square(scene_limits))))
-        entries += measure_libopms(program or Path("bench_locate"), scene, pictures["hope33"],
-                                   scene_limits, options.work, 10 * repeats, only_own)
-        if not only_own:
-            entries += [measure_peer(peer, scene, pictures[peer.kind], scene_limits, repeats)
-                        for peer in peers]
+        entries += measure_scene(scene, rivals, program, pictures, scene_limits, options.work,
+                                 rounds)
     return report_table(options, [*scenes, swing], entries, limits)
 
 

@@ -26,7 +26,8 @@ def machine() -> str:
         model = found.group(1) if found else model
     except OSError:
         pass
-    return f"{model}, one of {os.cpu_count()} cores, {platform.system()}"
+    return (f"{model}, one of {os.cpu_count()} cores, {platform.system()}, load of the machine "
+            f"{os.getloadavg()[0]:.1f}")
 
 
 def table_markdown(scenes: list[Scene], entries: list[Entry], limits: dict[str, float]) -> str:
@@ -55,13 +56,13 @@ def verdicts(entries: list[Entry]) -> list[tuple[str, bool]]:
 
 
 def own_verdicts(entry: Entry) -> list[tuple[str, bool]]:
-    worst = max(entry.times_ms)
+    worst = entry.worst_picture_ms
     return [
         (f"{entry.scene}: {len(entry.errors)} of {entry.pictures} located",
          len(entry.errors) == entry.pictures),
         (f"{entry.scene}: median {entry.median_ms:.3f} ms (asked {MEDIAN_MS})",
          entry.median_ms <= MEDIAN_MS),
-        (f"{entry.scene}: worst {worst:.3f} ms (asked {WORST_MS})", worst <= WORST_MS),
+        (f"{entry.scene}: slowest picture {worst:.3f} ms (asked {WORST_MS})", worst <= WORST_MS),
         (f"{entry.scene}: position {entry.ratio:.2f} x the limit (asked {MOST_RATIO})",
          entry.ratio <= MOST_RATIO)]
 
@@ -106,7 +107,7 @@ def plot(scenes: list[Scene], entries: list[Entry], limits: dict[str, float], pa
         axes[0, column].set_title(scene.title.replace(", ", ",\n", 1), fontsize=9)
         axes[0, column].set_xlabel("median time of a picture, ms")
         axes[1, column].axvline(limits[scene.name], color="k", lw=1, ls="--", label="limit")
-        axes[1, column].legend(fontsize=8, loc="lower right")
+        axes[1, column].legend(fontsize=8, loc="upper right")
         axes[1, column].set_xlabel("position RMS, mm (located pictures)")
     figure.savefig(path, dpi=100)
     plt.close(figure)
@@ -118,6 +119,6 @@ def bars(axis, entries: list[Entry], values: list[float], labels: list[str]) -> 
     colours = ["tab:orange" if n.startswith("libopms") else "tab:blue" for n in names]
     drawn = axis.barh(names, np.nan_to_num(values, nan=0.0), color=colours)
     axis.set_xscale("log")
-    axis.set_xlim(0.03, 4 * max(np.nanmax(values), 1.0) if values else 1.0)
+    axis.set_xlim(0.03, 20 * max(np.nanmax(values), 1.0) if values else 1.0)
     axis.bar_label(drawn, labels, padding=2, fontsize=8)
     axis.tick_params(axis="y", labelsize=8)
