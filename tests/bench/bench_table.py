@@ -207,6 +207,7 @@ def entry_to_json(entry: Entry) -> dict:
     return {"detector": entry.detector, "scene": entry.scene, "pictures": entry.pictures,
             "missing": entry.missing, "located": len(entry.errors), "median_ms": entry.median_ms,
             "p95_ms": float(np.percentile(entry.times_ms, 95)) if entry.times_ms else None,
-            "worst_picture_ms": entry.worst_picture_ms, "max_ms": max(entry.times_ms, default=None), "position_rms_mm": entry.position_mm,
+            "worst_picture_ms": entry.worst_picture_ms,
+            "max_ms": max(entry.times_ms, default=None), "position_rms_mm": entry.position_mm,
             "position_max_mm": float(entry.position_max_mm), "shifted_rms_mm": entry.shifted_mm,
             "angle_rms_deg": entry.angle_deg, "ratio_to_limit": entry.ratio}
