@@ -199,7 +199,8 @@ def entries_markdown(entries: list[Entry]) -> str:
         shifted = f"{e.shifted_mm:.3f}" if e.shifted else "(built in)"
         lines.append(f"| {e.detector} | {len(e.errors)}/{e.pictures} | {e.median_ms:.3f} | "
                      f"{p95:.3f} | {e.worst_picture_ms:.3f} | {most:.3f} | "
-                     f"{e.position_mm:.3f} | {e.position_max_mm:.2f} | {shifted} | {e.angle_deg:.4f} | {e.ratio:.2f} |")
+                     f"{e.position_mm:.3f} | {e.position_max_mm:.2f} | {shifted} | "
+                     f"{e.angle_deg:.4f} | {e.ratio:.2f} |")
     return "\n".join(lines)
 
 
