@@ -179,8 +179,8 @@ static void test_a_pose_is_the_same_to_the_last_bit_each_time(void)
     TEST_ASSERT_EQUAL_MEMORY(&first, &result, sizeof first);
 }
 
-/* The middles of the sides alone say where two lines and the squares along them are: seven numbers for
- * seven unknowns, which two poses share. */
+/* The middles of the sides alone say where two lines and the squares along them are: seven numbers
+ * for seven unknowns, which two poses share. */
 static void test_middles_of_sides_alone_never_give_a_wrong_pose(void)
 {
     uint64_t random = 15;

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Is the stated uncertainty true? Noise of the stated size is put on exact edges, intrinsics and mountings;
- * the squared distance of the result from the truth, in its own covariance, must be as chi2 is. */
+/* Is the stated uncertainty true? Noise of the stated size is put on exact edges, intrinsics and
+ * mountings; the squared distance of the result from the truth, in its own covariance, must be as
+ * chi2 is. */
 #include <stdlib.h>
 
 #include <unity.h>
@@ -153,8 +154,8 @@ static void test_the_stated_covariance_grows_with_noise_above_the_stated(void)
     run_camera(3, by);
 }
 
-/* A covariance of the eight intrinsics like a calibration's, with correlations; its factor l has the
- * given standard deviations. */
+/* A covariance of the eight intrinsics like a calibration's, with correlations; its factor l has
+ * the given standard deviations. */
 static void draw_intrinsics(uint64_t *random, const double l[8][8], opms_lens_t *lens)
 {
     double g[8];

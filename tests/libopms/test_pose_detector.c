@@ -27,7 +27,8 @@ void tearDown(void)
 {
 }
 
-/* One rendered picture's truth (tests/data has others), written down by the renderer: bar tilted by 19.3 degrees. */
+/* One rendered picture's truth (tests/data has others), written down by the renderer: bar tilted by
+ * 19.3 degrees. */
 static const opms_transform_t rendered_bar_camera = {
     {-0.6997323867809594, -0.24724086285638724, -0.6702585640063474, -0.2002273485535612,
      0.9684740662074797, -0.14821265794378413, 0.6857722623298733, 0.030494898222154333,

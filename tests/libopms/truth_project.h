@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /** @file
- * The camera model once more, written from the paper's equations and not from the library, as a judge of it;
- * with the little algebra and the seeded random numbers that scenes need. */
+ * The camera model once more, written from the paper's equations and not from the library, as a
+ * judge of it; with the little algebra and the seeded random numbers that scenes need. */
 #ifndef TRUTH_PROJECT_H
 #define TRUTH_PROJECT_H
 

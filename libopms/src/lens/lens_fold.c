@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The distortion is the gradient of a potential, so its Jacobian is symmetric; it is the identity on
- * the axis. A map with a positive definite symmetric Jacobian is one-to-one, and on the way out the
- * first eigenvalue to reach zero takes the determinant with it. So the fold along a direction is the first
- * positive root of the determinant. In the frame of the direction e, at distance s, with
- * a = p2 ex + p1 ey and b = p1 ex - p2 ey,
+/* The distortion is the gradient of a potential, so its Jacobian is symmetric; it is the identity
+ * on the axis. A map with a positive definite symmetric Jacobian is one-to-one, and on the way out
+ * the first eigenvalue to reach zero takes the determinant with it. So the fold along a direction
+ * is the first positive root of the determinant. In the frame of the direction e, at distance s,
+ * with a = p2 ex + p1 ey and b = p1 ex - p2 ey,
  *   det(s) = (1 + 6 a s + 3 k1 s^2 + 5 k2 s^4) (1 + 2 a s + k1 s^2 + k2 s^4) - 4 b^2 s^2,
- * a polynomial of degree 8. Whether it is positive on [0, s] is decided without root finding from its
- * Bernstein coefficients: all positive proves it, a value at an end refutes it, else halve. */
+ * a polynomial of degree 8. Whether it is positive on [0, s] is decided without root finding from
+ * its Bernstein coefficients: all positive proves it, a value at an end refutes it, else halve. */
 #include "lens/lens_fold.h"
 
 #include <math.h>

@@ -110,7 +110,8 @@ bool fit_covariance(const Fit &fit, double inflation, Mat7 &inverse, Mat6 &covar
 Mat68 fit_by_intrinsics(const EdgeSet &set, const opms_lens_t &lens, const Fit &fit,
                         const Mat7 &inverse)
 {
-    // The residual falls by n . d(u, v)/dk where an intrinsic grows: D step = sum psi' J n . d(u, v)/dk.
+    // Where an intrinsic k grows, the residual falls by n . d(u, v)/dk; so
+    // D step = sum psi'+ J n . d(u, v)/dk.
     Pair sums[7][8];
     for (auto &line : sums) {
         for (Pair &sum : line) {

@@ -3,8 +3,9 @@
  * Two edges side by side in one vector register, their residuals and gradients.
  *
  * With Xc = R^T (P - t), R <- R Exp(w), t <- t + d: dXc/dw = [Xc]x and dXc/dd = -R^T. For the ray
- * (x, y) = (Xc/Zc, Yc/Zc), the residual z = c - m.(x, y) - s/sigma and q = m.(x, y):
- *   dz/dw = (-(my + q y), mx + q x, my x - mx y), dz/d(R^T d) = (mx, my, -q) / Zc, dz/ds = -1/sigma. */
+ * (x, y) = (Xc/Zc, Yc/Zc), the residual z = c - m.(x, y) - s gain/sigma and q = m.(x, y):
+ *   dz/dw = (-(my + q y), mx + q x, my x - mx y),
+ *   dz/d(R^T d) = (mx, my, -q) / Zc, dz/ds = -gain/sigma. */
 #ifndef OPMS_POSE_EDGE_PAIR_H
 #define OPMS_POSE_EDGE_PAIR_H
 
@@ -61,7 +62,7 @@ struct EdgePair {
         row[6] = -is;
     }
 
-    /** Slope of Tukey's weight times residual, not below 0: what it adds to the cost's curvature. */
+    /** Slope of Tukey's weight times residual, not below 0: its part in the cost's curvature. */
     Pair curvature(double scale) const
     {
         const Pair part = z * (1.0 / (TUKEY * scale));

@@ -35,7 +35,8 @@ RayLine line_at(const opms_lens_t &lens, const opms_edge_t &edge, double x, doub
     return line;
 }
 
-/* Half a pixel off, the bend of the lens is below 1e-4 px and need not be followed to the ray of q itself. */
+/* Half a pixel off, the bend of the lens is below 1e-4 px and need not be followed to the ray of q
+ * itself. */
 bool line_of_edge(const opms_lens_t &lens, const opms_edge_t &edge, const Vec3 *guess,
                   RayLine &line)
 {
@@ -104,7 +105,8 @@ void edge_set_fill(EdgeSet &set, const opms_lens_t &lens, const opms_edge_t *edg
         set.my[i] = reached ? line.my * information : 0.0;
         set.c[i] = reached ? line.c * information : UNREACHED;
     }
-    // The empty edge that fills up the last pair: no residual, no gradient, a bar point that is in front.
+    // The empty edge that fills up the last pair: no residual, no gradient, a bar point that is in
+    // front.
     set.X[to] = to > 0 ? set.X[to - 1] : 0.0;
     set.Y[to] = to > 0 ? set.Y[to - 1] : 0.0;
     set.mx[to] = set.my[to] = set.c[to] = set.is[to] = 0.0;

@@ -2,10 +2,10 @@
 /** @file
  * Edges as the pose stage works on them: straight lines among the rays.
  *
- * The line n.(p - q) = 0 in the picture becomes m.(x - x_q) = 0 among the normalised rays, where x_q is the ray
- * of q, J the derivative of the lens there and m = J^T n. The side of a square is straight in
- * rays and bent in the picture, so q may sit anywhere along it. m.(x_q - x) is the distance in
- * pixels; here it is divided by the edge's sigma. */
+ * The line n.(p - q) = 0 in the picture becomes m.(x - x_q) = 0 among the normalised rays, where
+ * x_q is the ray of q, J the derivative of the lens there and m = J^T n. The side of a square is
+ * straight in rays and bent in the picture, so q may sit anywhere along it. m.(x_q - x) is the
+ * distance in pixels; here it is divided by the edge's sigma. */
 #ifndef OPMS_POSE_EDGE_SET_H
 #define OPMS_POSE_EDGE_SET_H
 

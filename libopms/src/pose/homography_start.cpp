@@ -2,12 +2,14 @@
 // Each edge is a line l among the rays that must pass through the image of its bar point P:
 // l^T H P = 0, linear in H. Three things make the almost one-dimensional bar well behaved:
 //  - H maps the middle of the bar to a point in front of the camera, so with the bar's origin
-//    there its last entry may be set to 1, and the depth's slope across 20 mm, which little but noise
-//    shows, is held near zero by a prior; the derivative at the middle is all that is used afterwards.
-//  - The common shift of the edges is one more unknown: left out, it makes the squares too small and the view
-//    of a level bar a slanted one.
-//  - The line also says where the side runs to: with its direction d, l^T H d = 0. Without it sides measured
-//    only at their middles would leave H open. It counts little, as the normals may be rough.
+//    there its last entry may be set to 1, and the depth's slope across 20 mm, which little but
+//    noise shows, is held near zero by a prior; the derivative at the middle is all that is used
+//    afterwards.
+//  - The common shift of the edges is one more unknown: left out, it makes the squares too small
+//    and the view of a level bar a slanted one.
+//  - The line also says where the side runs to: with its direction d, l^T H d = 0. Without it sides
+//    measured only at their middles would leave H open. It counts little, as the normals may be
+//    rough.
 // Reweighted for the depth and, by Cauchy's weights, against outliers.
 #include "pose/homography_start.h"
 
@@ -70,7 +72,8 @@ bool choose_units(const EdgeSet &set, uint32_t n, Units &units)
            std::isfinite(units.ray);
 }
 
-/* One edge in those units: the line l, the bar point, its side's direction, and what the shift does. */
+/* One edge in those units: the line l, the bar point, its side's direction, and what the shift
+ * does. */
 struct Row {
     double l[3];
     double X, Y;

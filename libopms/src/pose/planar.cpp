@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Infinitesimal plane-based pose (Collins and Bartoli, IJCV 2014): the derivative of the view at one point
-// gives the orientation up to a reflection about the line of sight. Turn the camera so that the point is
-// on its axis; the derivative is then the upper left 2 x 2 block of the rotation over the depth. Its larger
-// singular value is 1 over the depth, for a rotation's block has one singular value 1; the third row
-// follows from the columns' length, up to its sign.
+// Infinitesimal plane-based pose (Collins and Bartoli, IJCV 2014): the derivative of the view at
+// one point gives the orientation up to a reflection about the line of sight. Turn the camera so
+// that the point is on its axis; the derivative is then the upper left 2 x 2 block of the rotation
+// over the depth. Its larger singular value is 1 over the depth, for a rotation's block has one
+// singular value 1; the third row follows from the columns' length, up to its sign.
 #include "pose/planar.h"
 
 namespace opms::pose

@@ -26,7 +26,7 @@ constexpr double SCALE_PLEASES = 2.0;   // residuals over stated sigmas, likewis
 constexpr double NO_OTHER = 1e12;       // chi2_other where there is no second solution
 constexpr double ANGLE_SIGMA_MAX = 0.3; // rad; nothing is known beyond it
 constexpr RefinePlan PLAN_START = {Steps::Careful, 15, 0.01, 0.6};
-constexpr RefinePlan PLAN_OTHER = {Steps::Careful, 10, 0.5, 0.6};
+constexpr RefinePlan PLAN_OTHER = {Steps::Careful, 6, 0.5, 0.6};
 constexpr RefinePlan PLAN_ALL = {Steps::Newton, 20, 1e-4, 0.8};
 
 opms_status_t fail_arg(opms_error_t *err, int32_t index, const char *what)
@@ -114,7 +114,8 @@ bool start(const EdgeSet &set, uint32_t n, const opms_edge_t *edges, PlaneView &
     if (!homography_start(set, n, edges, view) || !planar_poses(view, poses)) {
         return false;
     }
-    // Which of the two is nearer shows before any step; the other is looked at later, from the refined one.
+    // Which of the two is nearer shows before any step; the other is looked at later, from the
+    // refined one.
     Normal looks[2];
     double z[128];
     residuals(set, std::min<uint32_t>(n, 128), poses[0], z);

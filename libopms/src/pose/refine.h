@@ -11,8 +11,8 @@
 namespace opms::pose
 {
 
-/** Tukey's constant: residuals from here on, in units of the scale, have no weight. Under Gaussian noise
- * the estimate keeps 98 % of the least-squares efficiency. */
+/** Tukey's constant: residuals from here on, in units of the scale, have no weight. Under Gaussian
+ * noise the estimate keeps 98 % of the least-squares efficiency. */
 constexpr double TUKEY = 6.0;
 
 /** Tukey's weight of a residual; `scale` in the same unit. */
