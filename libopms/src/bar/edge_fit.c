@@ -13,6 +13,9 @@
  * which black level, contrast and a small displacement are solved for by linear least squares. */
 
 #define LINES_A_STRETCH 5
+#define INSIDE_BLURS 4.2  /* reach of the pixels that take part, in standard deviations of the blur */
+#define OUTSIDE_BLURS 3.2
+#define GROUND_BLURS 1.2
 
 /** Where a side is expected in the picture: a parabola through three projected points. */
 typedef struct side_curve {
@@ -96,6 +99,7 @@ static float cells_at(unsigned mask, double x_mm, double px_per_mm_along, float 
 
 typedef struct side_window {
     double inside, outside; /* px from the edge */
+    double ground;          /* distance of the bar's border, 0 where it plays no part */
     double trim;            /* of tau at each end */
 } side_window_t;
 
@@ -111,18 +115,26 @@ static double blur_at(const edge_scene_t *scene, int family, double px_per_mm)
     return sqrt(still * still + (total * total - still * still) * ratio * ratio);
 }
 
-static side_window_t window_of(const side_curve_t *curve, int side, double blur, double blur_along)
+static side_window_t window_of(const side_curve_t *curve, int side, double blur, double blur_along,
+                               int clipped)
 {
     side_window_t window;
-    const double wide = 2.6 * blur + 0.5;
-    window.inside = fmin(wide, 13.0 * curve->px_per_mm);
+    const double wide = OUTSIDE_BLURS * blur + 0.5;
+    window.inside = fmin(INSIDE_BLURS * blur + 0.5, 13.0 * curve->px_per_mm);
+    window.ground = 0;
     if (side == 1 || side == 3) {
         /* Up to the middle of the cells, which are modelled. */
         window.outside = fmin(wide, (BAR_CELL_GAP_MM + 4.0) * curve->px_per_mm);
     } else {
-        /* Beyond the bar lies the ground, of unknown brightness: stay off its blur. */
-        window.outside = fmin(wide, fmax(5.0 * curve->px_per_mm - 2.2 * blur,
-                                         2.0 * curve->px_per_mm));
+        /* Beyond the bar's border lies the ground, of unknown brightness. It is modelled as far as its
+         * edge goes, since farther out lie the bar's side, its shadow and grass. */
+        const double border = (BAR_HALF_WIDTH_MM - BAR_HALF_SQUARE_MM) * curve->px_per_mm;
+        if (clipped) {
+            window.outside = fmin(wide, fmax(border - 2.2 * blur, 0.4 * border));
+        } else {
+            window.outside = fmin(wide, border + GROUND_BLURS * blur);
+            window.ground = border < wide + 2.2 * blur ? border : 0;
+        }
     }
     window.trim = fmin(0.5, (0.9 * blur_along + 0.3) / curve->half_px);
     return window;
@@ -154,7 +166,7 @@ static int fit_side(const edge_scene_t *scene, int square, int side, stretch_t *
     const double still = fmin(scene->blur_px[0], scene->blur_px[1]);
     const edge_blur_t blur = edge_blur_of(sigma, still);
     const float sigma_along = (float)blur_at(scene, !family, curve.half_px / BAR_HALF_SQUARE_MM);
-    const side_window_t window = window_of(&curve, side, sigma, (double)sigma_along);
+    const side_window_t window = window_of(&curve, side, sigma, (double)sigma_along, scene->clip < 1);
     const int m = curve.along_axis, c = 1 - m;
     const int main_size = m == 0 ? view->width : view->height;
     const int cross_size = c == 0 ? view->width : view->height;
@@ -198,6 +210,7 @@ static int fit_side(const edge_scene_t *scene, int square, int side, stretch_t *
                                    (float)((1 + tau) * curve.half_px + (double)shift)};
             line->corner = edge_profile(ends[0] / sigma_along).step * edge_profile(ends[1] / sigma_along).step;
             line->cells = 0;
+            line->ground = (float)window.ground;
             if (cells) {
                 const double x_mm = BAR_HALF_SQUARE_MM * tau;
                 line->cells = cells_at(cells, x_mm, curve.half_px / BAR_HALF_SQUARE_MM, sigma_along);

@@ -37,9 +37,7 @@ typedef struct stretch {
     float contrast;       /**< grey levels from black to white, or to saturation */
     float px_per_mm;      /**< across the side */
     float variance;       /**< of the grey levels about the model */
-    /* Information on the picture's blur and clip, to be summed over stretches: weight matrix and
-     * right-hand side of their Newton step. */
-    float blur_slope, blur_weight, clip_slope, clip_weight, clip_blur;
+    float blur_slope, blur_weight; /**< information on the blur: Newton step = slope / weight */
 } stretch_t;
 
 /** Measure the visible stretches of one square's four sides.

@@ -5,15 +5,16 @@
 #include <string.h>
 
 /* grey = black + contrast w(s - offset), to first order in the offset, with w the white coverage and
- * g = dw/ds: linear in black, contrast and contrast times offset. Where white saturates, the coverage
- * is cut at the part `clip` of the true contrast, and w is what is left, scaled to 1. Two more
- * regressors, the derivatives of w by the blur and by the clip, are not solved for here: what they
- * would explain of the residual is handed on, and summed over the picture by the caller. */
+ * g = dw/ds: linear in black, contrast and contrast times offset. Next to the bar's border the ground
+ * begins, of unknown brightness: one more step, k, with a height of its own. Where white saturates, the coverage
+ * is cut at the part `clip` of the true contrast, and w is what is left, scaled to 1. One more
+ * regressor, h, the derivative of w by the blur, is not solved for here: what it would explain of the
+ * residual is handed on, and summed over the picture by the caller. */
 
 #define PIXELS_LEAST 10
 #define SATURATED_PART 0.12f /* of a stretch's pixels, from which on its white counts as saturated */
 
-enum { W, G, H, J, REGRESSORS };
+enum { W, K, G, H, REGRESSORS };
 
 typedef struct fit_sums {
     float n, i, ii;
@@ -22,12 +23,12 @@ typedef struct fit_sums {
     float xx[REGRESSORS][REGRESSORS];     /* and with one another, lower triangle */
 } fit_sums_t;
 
-static inline void add_pixel(fit_sums_t *sums, float i, const float x[REGRESSORS], int regressors)
+static inline void add_pixel(fit_sums_t *sums, float i, const float x[REGRESSORS])
 {
     sums->n += 1.f;
     sums->i += i;
     sums->ii += i * i;
-    for (int a = 0; a < regressors; ++a) {
+    for (int a = 0; a < REGRESSORS; ++a) {
         sums->x[a] += x[a];
         sums->xi[a] += x[a] * i;
         for (int b = 0; b <= a; ++b) {
@@ -52,10 +53,22 @@ static void add_line(fit_sums_t *sums, const fit_line_t *line, const edge_blur_t
 {
     for (int k = 0; k < line->count; ++k) {
         const float s = line->s_first + (float)k * line->s_step;
-        float x[REGRESSORS];
+        float x[REGRESSORS] = {0};
         x[W] = coverage(line, blur, s, &x[G]);
         x[H] = -s * per_sigma * x[G];
-        add_pixel(sums, line->grey[k], x, J);
+        add_pixel(sums, line->grey[k], x);
+    }
+}
+
+static void add_line_ground(fit_sums_t *sums, const fit_line_t *line, const edge_blur_t *blur, float per_sigma)
+{
+    for (int k = 0; k < line->count; ++k) {
+        const float s = line->s_first + (float)k * line->s_step;
+        float x[REGRESSORS] = {0};
+        x[W] = coverage(line, blur, s, &x[G]);
+        x[K] = edge_profile_blurred(blur, s - line->ground).step;
+        x[H] = -s * per_sigma * x[G];
+        add_pixel(sums, line->grey[k], x);
     }
 }
 
@@ -71,31 +84,33 @@ static void add_line_clipped(fit_sums_t *sums, const fit_line_t *line, const edg
             x[W] = w * scale;
             x[G] = slope * scale;
             x[H] = -s * per_sigma * x[G];
-            x[J] = -x[W] * scale;
         }
-        add_pixel(sums, line->grey[k], x, REGRESSORS);
+        add_pixel(sums, line->grey[k], x);
     }
 }
 
-/** What the blur and the clip would explain once the three unknowns are taken off. */
-static void shape_information(double xx[REGRESSORS][REGRESSORS], const double xi[REGRESSORS],
-                              double det, double contrast, stretch_t *out)
+/** Take regressor `p` out of the others and of the grey levels. */
+static void sweep(double xx[REGRESSORS][REGRESSORS], double xi[REGRESSORS], int p)
 {
-    double on[2][2]; /* h and j by w and g */
-    for (int a = 0; a < 2; ++a) {
-        const double *row = xx[H + a];
-        on[a][0] = (xx[G][G] * row[W] - xx[G][W] * row[G]) / det;
-        on[a][1] = (xx[W][W] * row[G] - xx[G][W] * row[W]) / det;
+    for (int a = p + 1; a < REGRESSORS; ++a) {
+        const double part = xx[a][p] / xx[p][p];
+        for (int b = p + 1; b <= a; ++b) {
+            xx[a][b] -= part * xx[b][p];
+        }
+        xi[a] -= part * xi[p];
     }
-    const double cc = contrast * contrast;
-    out->blur_weight = (float)(cc * (xx[H][H] - on[0][0] * xx[H][W] - on[0][1] * xx[H][G]));
-    out->blur_slope = (float)(contrast * (xi[H] - on[0][0] * xi[W] - on[0][1] * xi[G]));
-    out->clip_weight = (float)(cc * (xx[J][J] - on[1][0] * xx[J][W] - on[1][1] * xx[J][G]));
-    out->clip_slope = (float)(contrast * (xi[J] - on[1][0] * xi[W] - on[1][1] * xi[G]));
-    out->clip_blur = (float)(cc * (xx[J][H] - on[1][0] * xx[H][W] - on[1][1] * xx[H][G]));
 }
 
-static int solve(const fit_sums_t *sums, stretch_t *out)
+/** Coefficients of W, K and G by back substitution after the sweeps. */
+static void coefficients(const double xx[REGRESSORS][REGRESSORS], const double xi[REGRESSORS], int ground,
+                         double *contrast, double *slope)
+{
+    *slope = xi[G] / xx[G][G];
+    const double k = ground ? (xi[K] - xx[G][K] * *slope) / xx[K][K] : 0;
+    *contrast = (xi[W] - xx[G][W] * *slope - (ground ? xx[K][W] * k : 0)) / xx[W][W];
+}
+
+static int solve(const fit_sums_t *sums, int ground, stretch_t *out)
 {
     const double n = (double)sums->n;
     if (n < PIXELS_LEAST) {
@@ -108,23 +123,38 @@ static int solve(const fit_sums_t *sums, stretch_t *out)
             xx[a][b] = (double)sums->xx[a][b] - (double)sums->x[a] * (double)sums->x[b] / n;
         }
     }
-    const double ii = (double)sums->ii - (double)sums->i * (double)sums->i / n;
-    const double det = xx[W][W] * xx[G][G] - xx[G][W] * xx[G][W];
-    if (!(det > 1e-3 * xx[W][W] * xx[G][G])) {
+    double rss = (double)sums->ii - (double)sums->i * (double)sums->i / n;
+    const double whole[3] = {xx[W][W], xx[K][K], xx[G][G]};
+    if (!(whole[0] > 0)) {
         return 0;
     }
-    const double contrast = (xx[G][G] * xi[W] - xx[G][W] * xi[G]) / det;
-    const double slope = (xx[W][W] * xi[G] - xx[G][W] * xi[W]) / det;
+    sweep(xx, xi, W);
+    rss -= xi[W] * xi[W] / xx[W][W];
+    if (ground && !(xx[K][K] > 1e-4 * whole[1])) {
+        ground = 0; /* the window does not reach it */
+    }
+    if (ground) {
+        sweep(xx, xi, K);
+        rss -= xi[K] * xi[K] / xx[K][K];
+    }
+    if (!(xx[G][G] > 1e-3 * whole[2])) {
+        return 0;
+    }
+    sweep(xx, xi, G);
+    rss -= xi[G] * xi[G] / xx[G][G];
+    double contrast, slope;
+    coefficients(xx, xi, ground, &contrast, &slope);
     if (!(contrast > 0)) {
         return 0;
     }
-    const double rss = ii - contrast * xi[W] - slope * xi[G];
     out->pixels = (uint16_t)(n < 65535 ? n : 65535);
     out->contrast = (float)contrast;
     out->offset_px = (float)(-slope / contrast);
-    out->sigma_unit = (float)(sqrt(xx[W][W] / det) / contrast);
-    out->variance = (float)((rss > 0 ? rss : 0) / (n - 3));
-    shape_information(xx, xi, det, contrast, out);
+    out->sigma_unit = (float)(1 / (sqrt(xx[G][G]) * contrast));
+    out->variance = (float)((rss > 0 ? rss : 0) / (n - 3 - (ground ? 1 : 0)));
+    /* What of the residual the blur would explain. */
+    out->blur_weight = (float)(contrast * contrast * (xx[H][H] > 0 ? xx[H][H] : 0));
+    out->blur_slope = (float)(contrast * xi[H]);
     return 1;
 }
 
@@ -146,10 +176,12 @@ int stretch_fit(const fit_line_t *lines, int count, const edge_blur_t *blur, dou
     for (int i = 0; i < count; ++i) {
         if (clipped) {
             add_line_clipped(&sums, &lines[i], blur, per_sigma, (float)clip);
+        } else if (lines[i].ground > 0.f) {
+            add_line_ground(&sums, &lines[i], blur, per_sigma);
         } else {
             add_line(&sums, &lines[i], blur, per_sigma);
         }
     }
     out->saturated = (uint16_t)saturated;
-    return solve(&sums, out);
+    return solve(&sums, !clipped && lines[0].ground > 0.f, out);
 }

@@ -16,6 +16,7 @@ typedef struct fit_line {
     int count;
     float corner;          /**< part of the side that is there, 1 away from the corners */
     float cells;           /**< part of the code cells beyond the gap that is black here */
+    float ground;          /**< distance of the bar's border, px; 0 where it is out of reach */
     float cell_near, cell_far; /**< distance of the black cells' two borders, px */
     float grey[LINE_PIXELS_MAX];
 } fit_line_t;
