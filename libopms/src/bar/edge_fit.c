@@ -26,6 +26,7 @@ typedef struct side_curve {
     double sign;           /* of that direction, +1 when the coordinate grows outwards */
     double px_per_mm;      /* across the side, outwards */
     double half_px;        /* half the side's length */
+    double along_mm[2];    /* gradient of the position along the side, mm per px of u and of v */
 } side_curve_t;
 
 static const double side_outward[4][2] = {{-1, 0}, {0, -1}, {1, 0}, {0, 1}};
@@ -73,28 +74,12 @@ static int side_predict(const edge_scene_t *scene, int square, int side, side_cu
     const double across = curve->along_axis == 0 ? ny : nx;
     curve->sign = across < 0 ? -1 : 1;
     curve->cosine = fabs(across);
+    /* Rows of the inverse of the map's derivative: X for the sides along X, Y for the others. */
+    const double det = jac[0] * jac[3] - jac[1] * jac[2];
+    const int along_x = side == 1 || side == 3;
+    curve->along_mm[0] = (along_x ? jac[3] : -jac[2]) / det;
+    curve->along_mm[1] = (along_x ? -jac[1] : jac[0]) / det;
     return curve->px_per_mm > 0.05;
-}
-
-/** How much of the code cells beyond a side (along X, at x_mm) is black, under the blur. */
-static float cells_at(unsigned mask, double x_mm, double px_per_mm_along, float blur)
-{
-    float sum = 0;
-    for (int i = 0; i < BAR_CELLS;) {
-        if (!(mask >> i & 1u)) {
-            ++i;
-            continue;
-        }
-        int j = i;
-        while (j < BAR_CELLS && (mask >> j & 1u)) {
-            ++j;
-        }
-        const float from = (float)((x_mm - (BAR_CELL_X_MM * (i - 3))) * px_per_mm_along) / blur;
-        const float to = (float)((x_mm - (BAR_CELL_X_MM * (j - 3))) * px_per_mm_along) / blur;
-        sum += edge_profile(from).step - edge_profile(to).step;
-        i = j;
-    }
-    return sum;
 }
 
 typedef struct side_window {
@@ -136,7 +121,7 @@ static side_window_t window_of(const side_curve_t *curve, int side, double blur,
             window.ground = border < wide + 2.2 * blur ? border : 0;
         }
     }
-    window.trim = fmin(0.5, (0.9 * blur_along + 0.3) / curve->half_px);
+    window.trim = fmin(0.5, 0.5 * blur_along / curve->half_px);
     return window;
 }
 
@@ -163,10 +148,21 @@ static int fit_side(const edge_scene_t *scene, int square, int side, stretch_t *
     const view_t *view = scene->view;
     const int family = side == 1 || side == 3;
     const double sigma = blur_at(scene, family, curve.px_per_mm);
-    const double still = fmin(scene->blur_px[0], scene->blur_px[1]);
-    const edge_blur_t blur = edge_blur_of(sigma, still);
-    const float sigma_along = (float)blur_at(scene, !family, curve.half_px / BAR_HALF_SQUARE_MM);
-    const side_window_t window = window_of(&curve, side, sigma, (double)sigma_along, scene->clip < 1);
+    const double along_px = 1 / hypot(curve.along_mm[0], curve.along_mm[1]); /* per mm, square to the ends */
+    const double sigma_along = blur_at(scene, !family, along_px);
+    const side_window_t window = window_of(&curve, side, sigma, sigma_along, scene->clip < 1);
+    const float shift = (float)(scene->shift_px * scene->shift_gain[family]);
+    const side_model_t model = {
+        .blur = edge_blur_of(sigma, fmin(scene->blur_px[0], scene->blur_px[1])),
+        .per_sigma = (float)(1 / sigma),
+        .end_at = (float)(BAR_HALF_SQUARE_MM + scene->shift_px * scene->shift_gain[!family] / along_px),
+        .along_scale = (float)(along_px / sigma_along),
+        .cells = family ? bar_gap_cells(square, side == 3 ? 1 : -1) : 0,
+        .cell_near = (float)(BAR_CELL_GAP_MM * curve.px_per_mm) - 2.f * shift,
+        .cell_far = (float)((BAR_CELL_GAP_MM + BAR_CELL_Y_MM) * curve.px_per_mm),
+        .ground = (float)window.ground,
+        .clip = (float)scene->clip,
+        .white_level = (float)view->white_level};
     const int m = curve.along_axis, c = 1 - m;
     const int main_size = m == 0 ? view->width : view->height;
     const int cross_size = c == 0 ? view->width : view->height;
@@ -181,8 +177,6 @@ static int fit_side(const edge_scene_t *scene, int square, int side, stretch_t *
     int parts = (line_count + LINES_A_STRETCH / 2) / LINES_A_STRETCH;
     parts = parts < 1 ? 1 : parts > OPMS_BAR_EDGES_PER_SIDE ? OPMS_BAR_EDGES_PER_SIDE : parts;
 
-    const unsigned cells = family ? bar_gap_cells(square, side == 3 ? 1 : -1) : 0;
-    const float shift = (float)(scene->shift_px * scene->shift_gain[family]);
     fit_line_t lines[STRETCH_LINES_MAX];
     int found = 0;
     for (int part = 0; part < parts; ++part) {
@@ -206,23 +200,14 @@ static int fit_side(const edge_scene_t *scene, int square, int side, stretch_t *
             line->count = last - first + 1;
             line->s_step = (float)(curve.sign * curve.cosine);
             line->s_first = (float)(curve.sign * curve.cosine * (first - edge)) - shift;
-            const float ends[2] = {(float)((1 - tau) * curve.half_px + (double)shift),
-                                   (float)((1 + tau) * curve.half_px + (double)shift)};
-            line->corner = edge_profile(ends[0] / sigma_along).step * edge_profile(ends[1] / sigma_along).step;
-            line->cells = 0;
-            line->ground = (float)window.ground;
-            if (cells) {
-                const double x_mm = BAR_HALF_SQUARE_MM * tau;
-                line->cells = cells_at(cells, x_mm, curve.half_px / BAR_HALF_SQUARE_MM, sigma_along);
-                line->cell_near = (float)(BAR_CELL_GAP_MM * curve.px_per_mm) - 2.f * shift;
-                line->cell_far = (float)((BAR_CELL_GAP_MM + BAR_CELL_Y_MM) * curve.px_per_mm);
-            }
+            line->along_step = (float)curve.along_mm[c];
+            line->along_first = (float)(BAR_HALF_SQUARE_MM * tau + curve.along_mm[c] * (first - edge));
             load_pixels(view, curve.along_axis, main, first, line->count, line->grey);
             along += tau;
             ++used;
         }
         stretch_t *out = &stretches[found];
-        if (used == 0 || !stretch_fit(lines, used, &blur, sigma, scene->clip, view->white_level, out)) {
+        if (used == 0 || !stretch_fit(&model, lines, used, out)) {
             continue;
         }
         const double tau = along / used;

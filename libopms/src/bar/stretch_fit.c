@@ -4,6 +4,8 @@
 #include <math.h>
 #include <string.h>
 
+#include "bar/bar_code.h"
+
 /* grey = black + contrast w(s - offset), to first order in the offset, with w the white coverage and
  * g = dw/ds: linear in black, contrast and contrast times offset. Next to the bar's border the ground
  * begins, of unknown brightness: one more step, k, with a height of its own. Where white saturates, the coverage
@@ -37,53 +39,67 @@ static inline void add_pixel(fit_sums_t *sums, float i, const float x[REGRESSORS
     }
 }
 
-static inline float coverage(const fit_line_t *line, const edge_blur_t *blur, float s, float *slope)
+/** How much of the code cells beyond the side is black at a position along it, under the blur. */
+static float cells_at(const side_model_t *model, float along)
 {
-    const edge_profile_t edge = edge_profile_blurred(blur, s);
-    float w = 1.f - (1.f - edge.step) * line->corner;
-    if (line->cells > 0.f) {
-        w -= line->cells * (edge_profile_blurred(blur, s - line->cell_near).step -
-                            edge_profile_blurred(blur, s - line->cell_far).step);
+    float sum = 0;
+    for (int i = 0; i < BAR_CELLS;) {
+        if (!(model->cells >> i & 1u)) {
+            ++i;
+            continue;
+        }
+        int j = i;
+        while (j < BAR_CELLS && (model->cells >> j & 1u)) {
+            ++j;
+        }
+        const float from = (along - (float)BAR_CELL_X_MM * (float)(i - 3)) * model->along_scale;
+        const float to = (along - (float)BAR_CELL_X_MM * (float)(j - 3)) * model->along_scale;
+        sum += edge_profile(from).step - edge_profile(to).step;
+        i = j;
     }
-    *slope = edge.pulse * line->corner;
+    return sum;
+}
+
+/** White coverage of a pixel, and its slope along the side's normal. */
+static inline float coverage(const side_model_t *model, float s, float along, float *slope)
+{
+    const edge_profile_t edge = edge_profile_blurred(&model->blur, s);
+    const float to_end = (model->end_at - fabsf(along)) * model->along_scale;
+    const float there = to_end < 3.5f ? edge_profile(to_end).step : 1.f;
+    float w = 1.f - (1.f - edge.step) * there;
+    if (model->cells && (s - model->cell_near) * model->per_sigma > -3.5f) {
+        w -= cells_at(model, along) * (edge_profile_blurred(&model->blur, s - model->cell_near).step -
+                                       edge_profile_blurred(&model->blur, s - model->cell_far).step);
+    }
+    *slope = edge.pulse * there;
     return w;
 }
 
-static void add_line(fit_sums_t *sums, const fit_line_t *line, const edge_blur_t *blur, float per_sigma)
+static void add_line(fit_sums_t *sums, const side_model_t *model, const fit_line_t *line)
 {
     for (int k = 0; k < line->count; ++k) {
         const float s = line->s_first + (float)k * line->s_step;
         float x[REGRESSORS] = {0};
-        x[W] = coverage(line, blur, s, &x[G]);
-        x[H] = -s * per_sigma * x[G];
+        x[W] = coverage(model, s, line->along_first + (float)k * line->along_step, &x[G]);
+        if (model->ground > 0.f) {
+            x[K] = edge_profile_blurred(&model->blur, s - model->ground).step;
+        }
+        x[H] = -s * model->per_sigma * x[G];
         add_pixel(sums, line->grey[k], x);
     }
 }
 
-static void add_line_ground(fit_sums_t *sums, const fit_line_t *line, const edge_blur_t *blur, float per_sigma)
+static void add_line_clipped(fit_sums_t *sums, const side_model_t *model, const fit_line_t *line)
 {
-    for (int k = 0; k < line->count; ++k) {
-        const float s = line->s_first + (float)k * line->s_step;
-        float x[REGRESSORS] = {0};
-        x[W] = coverage(line, blur, s, &x[G]);
-        x[K] = edge_profile_blurred(blur, s - line->ground).step;
-        x[H] = -s * per_sigma * x[G];
-        add_pixel(sums, line->grey[k], x);
-    }
-}
-
-static void add_line_clipped(fit_sums_t *sums, const fit_line_t *line, const edge_blur_t *blur,
-                             float per_sigma, float clip)
-{
-    const float scale = 1.f / clip;
+    const float scale = 1.f / model->clip;
     for (int k = 0; k < line->count; ++k) {
         const float s = line->s_first + (float)k * line->s_step;
         float slope, x[REGRESSORS] = {1.f, 0.f, 0.f, 0.f};
-        const float w = coverage(line, blur, s, &slope);
-        if (w < clip) {
+        const float w = coverage(model, s, line->along_first + (float)k * line->along_step, &slope);
+        if (w < model->clip) {
             x[W] = w * scale;
             x[G] = slope * scale;
-            x[H] = -s * per_sigma * x[G];
+            x[H] = -s * model->per_sigma * x[G];
         }
         add_pixel(sums, line->grey[k], x);
     }
@@ -102,7 +118,7 @@ static void sweep(double xx[REGRESSORS][REGRESSORS], double xi[REGRESSORS], int 
 }
 
 /** Coefficients of W, K and G by back substitution after the sweeps. */
-static void coefficients(const double xx[REGRESSORS][REGRESSORS], const double xi[REGRESSORS], int ground,
+static void coefficients(double xx[REGRESSORS][REGRESSORS], const double xi[REGRESSORS], int ground,
                          double *contrast, double *slope)
 {
     *slope = xi[G] / xx[G][G];
@@ -158,11 +174,10 @@ static int solve(const fit_sums_t *sums, int ground, stretch_t *out)
     return 1;
 }
 
-int stretch_fit(const fit_line_t *lines, int count, const edge_blur_t *blur, double sigma, double clip,
-                int white_level, stretch_t *out)
+int stretch_fit(const side_model_t *model, const fit_line_t *lines, int count, stretch_t *out)
 {
     int pixels = 0, saturated = 0;
-    const float white = (float)white_level - 0.5f;
+    const float white = model->white_level - 0.5f;
     for (int i = 0; i < count; ++i) {
         pixels += lines[i].count;
         for (int k = 0; k < lines[i].count; ++k) {
@@ -171,17 +186,14 @@ int stretch_fit(const fit_line_t *lines, int count, const edge_blur_t *blur, dou
     }
     fit_sums_t sums;
     memset(&sums, 0, sizeof sums);
-    const float per_sigma = (float)(1 / sigma);
-    const int clipped = clip < 1 && (float)saturated > SATURATED_PART * (float)pixels;
+    const int clipped = model->clip < 1.f && (float)saturated > SATURATED_PART * (float)pixels;
     for (int i = 0; i < count; ++i) {
         if (clipped) {
-            add_line_clipped(&sums, &lines[i], blur, per_sigma, (float)clip);
-        } else if (lines[i].ground > 0.f) {
-            add_line_ground(&sums, &lines[i], blur, per_sigma);
+            add_line_clipped(&sums, model, &lines[i]);
         } else {
-            add_line(&sums, &lines[i], blur, per_sigma);
+            add_line(&sums, model, &lines[i]);
         }
     }
     out->saturated = (uint16_t)saturated;
-    return solve(&sums, !clipped && lines[0].ground > 0.f, out);
+    return solve(&sums, !clipped && model->ground > 0.f, out);
 }

@@ -10,23 +10,31 @@
 #define LINE_PIXELS_MAX 64
 #define STRETCH_LINES_MAX 32
 
-/** One line of pixels across a side. */
-typedef struct fit_line {
-    float s_first, s_step; /**< distance from the expected edge, outward: of the first pixel, and step */
-    int count;
-    float corner;          /**< part of the side that is there, 1 away from the corners */
-    float cells;           /**< part of the code cells beyond the gap that is black here */
+/** What lies along one side of a square, in the picture. */
+typedef struct side_model {
+    edge_blur_t blur;      /**< across the side */
+    float per_sigma;       /**< 1 / standard deviation of that blur */
+    float end_at;          /**< where the side ends, mm from its middle, the common shift included */
+    float along_scale;     /**< standard deviations of the blur along the side, per mm of it */
+    unsigned cells;        /**< black code cells beyond the gap, bar_gap_cells(); 0 for none */
+    float cell_near, cell_far; /**< distance of the cells' two borders, px */
     float ground;          /**< distance of the bar's border, px; 0 where it is out of reach */
-    float cell_near, cell_far; /**< distance of the black cells' two borders, px */
+    float clip;            /**< part of the contrast at which white saturates, 1 where it does not */
+    float white_level;     /**< grey level of a saturated pixel */
+} side_model_t;
+
+/** One line of pixels across a side. Both coordinates of the side run along it, since a line of the
+ * picture is seldom square to the side. */
+typedef struct fit_line {
+    float s_first, s_step;         /**< distance from the expected edge, outward: first pixel, and step, px */
+    float along_first, along_step; /**< position along the side, mm from its middle */
+    int count;
     float grey[LINE_PIXELS_MAX];
 } fit_line_t;
 
 /** Fit black level, contrast and position to a stretch; the geometry in `out` is the caller's.
  *
- * @param clip  The part of the contrast at which white saturates, 1 where it does not; used where the
- *              stretch holds saturated pixels.
  * @return 0 where the stretch has no edge that can be placed. */
-int stretch_fit(const fit_line_t *lines, int count, const edge_blur_t *blur, double sigma, double clip,
-                int white_level, stretch_t *out);
+int stretch_fit(const side_model_t *model, const fit_line_t *lines, int count, stretch_t *out);
 
 #endif
