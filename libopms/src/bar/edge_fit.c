@@ -15,7 +15,7 @@
 #define LINES_A_STRETCH 5
 #define INSIDE_BLURS 4.2  /* reach of the pixels that take part, in standard deviations of the blur */
 #define OUTSIDE_BLURS 3.2
-#define GROUND_BLURS 1.2
+#define GROUND_BLURS 1.4
 
 /** Where a side is expected in the picture: a parabola through three projected points. */
 typedef struct side_curve {
@@ -26,6 +26,7 @@ typedef struct side_curve {
     double sign;           /* of that direction, +1 when the coordinate grows outwards */
     double px_per_mm;      /* across the side, outwards */
     double half_px;        /* half the side's length */
+    double border_px;      /* distance of the bar's border beyond the sides along Y */
     double along_mm[2];    /* gradient of the position along the side, mm per px of u and of v */
 } side_curve_t;
 
@@ -68,6 +69,12 @@ static int side_predict(const edge_scene_t *scene, int square, int side, side_cu
         ny = -ny;
         curve->px_per_mm = -curve->px_per_mm;
     }
+    double border[2];
+    if (!plane_map_project(&scene->map, scene->lens, scene->ray_limit, out[0] * BAR_HALF_WIDTH_MM, square_y,
+                           border, NULL)) {
+        return 0;
+    }
+    curve->border_px = nx * (border[0] - end[1][0]) + ny * (border[1] - end[1][1]);
     curve->normal[0] = nx;
     curve->normal[1] = ny;
     curve->along_axis = fabs(curve->p1[0]) >= fabs(curve->p1[1]) ? 0 : 1;
@@ -113,7 +120,7 @@ static side_window_t window_of(const side_curve_t *curve, int side, double blur,
     } else {
         /* Beyond the bar's border lies the ground, of unknown brightness. It is modelled as far as its
          * edge goes, since farther out lie the bar's side, its shadow and grass. */
-        const double border = (BAR_HALF_WIDTH_MM - BAR_HALF_SQUARE_MM) * curve->px_per_mm;
+        const double border = curve->border_px;
         if (clipped) {
             window.outside = fmin(wide, fmax(border - 2.2 * blur, 0.4 * border));
         } else {
@@ -162,6 +169,8 @@ static int fit_side(const edge_scene_t *scene, int square, int side, stretch_t *
         .cell_far = (float)((BAR_CELL_GAP_MM + BAR_CELL_Y_MM) * curve.px_per_mm),
         .ground = (float)window.ground,
         .clip = (float)scene->clip,
+        .level = {scene->level[0], scene->level[1]},
+        .level_weight = {scene->level_weight[0], scene->level_weight[1]},
         .white_level = (float)view->white_level};
     const int m = curve.along_axis, c = 1 - m;
     const int main_size = m == 0 ? view->width : view->height;

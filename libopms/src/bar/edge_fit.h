@@ -22,6 +22,9 @@ typedef struct edge_scene {
                                motion grows with the scale */
     int still;         /**< the picture is known not to have moved: one blur for all sides */
     double clip;       /**< part of the true contrast at which white saturates, 1 if it does not */
+    /** Grey levels of black and white that the picture has shown, and the weight of each as so many
+     * pixels; weight 0 where none is known. */
+    float level[2], level_weight[2];
 } edge_scene_t;
 
 /** One stretch of a side, as fitted. */
@@ -34,6 +37,7 @@ typedef struct stretch {
     float predicted[2];   /**< unshifted edge of the map at along_mm, px */
     float offset_px;      /**< measured edge from `predicted`, outward */
     float sigma_unit;     /**< standard deviation of the offset for noise of one grey level */
+    float black;          /**< grey level */
     float contrast;       /**< grey levels from black to white, or to saturation */
     float px_per_mm;      /**< across the side */
     float variance;       /**< of the grey levels about the model */

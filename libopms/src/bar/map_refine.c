@@ -26,6 +26,7 @@
 #define GOOD_LEAST 12
 #define BLUR_LEAST 0.25
 #define SHARED_BLUR 0.12      /* relative difference of the families' blurs that counts as none */
+#define LEVEL_SCATTER_LEAST 0.12f /* of black and white over the picture, in noises */
 #define CLIP_LEAST 0.15
 #define CLIP_OF_STILL 0.58
 #define CLIP_OF_MOTION 0.35
@@ -391,6 +392,31 @@ static int clamp_index(int k)
     return k < 0 ? 0 : k >= OPMS_BAR_SQUARES ? OPMS_BAR_SQUARES - 1 : k;
 }
 
+/** Learn black and white from the stretches of a pass that did not know them yet. Their scatter, light
+ * and shade included, says how far they may be believed in any one place. */
+static void learn_levels(edge_scene_t *scene, bar_fit_t *fit)
+{
+    for (int white = 0; white < 2; ++white) {
+        int n = 0;
+        for (int i = 0; i < fit->count; ++i) {
+            const stretch_t *s = &fit->stretch[i];
+            if (fit->good[i]) {
+                fit->residual[n++] = s->black + (white ? s->contrast : 0.f);
+            }
+        }
+        if (n < GOOD_LEAST) {
+            return;
+        }
+        const float middle = median(fit->residual, n);
+        for (int i = 0; i < n; ++i) {
+            fit->residual[i] = fabsf(fit->residual[i] - middle);
+        }
+        const float scatter = fmaxf(1.4826f * median(fit->residual, n), LEVEL_SCATTER_LEAST * fit->noise);
+        scene->level[white] = middle;
+        scene->level_weight[white] = fit->noise * fit->noise / (scatter * scatter);
+    }
+}
+
 /** One pass over the given squares; 0 when too little agrees. Returns by how much the edges moved
  * and the blur changed, and the range that was confirmed. */
 typedef struct pass_result {
@@ -464,6 +490,9 @@ map_verdict_t map_refine(edge_scene_t *scene, int first, int last, float contras
         if (pass >= SCOUTING_MOST / 2 && scene->clip < 1) {
             plain = drop_clip(scene) || plain; /* it does not settle */
         }
+    }
+    if (saturated_part(fit) < SATURATED_LEAST) {
+        learn_levels(scene, fit);
     }
     for (int pass = 0; pass < PASSES_MOST; ++pass) {
         const int count = visible_squares(scene, from, to, OPMS_BAR_SQUARES, index);

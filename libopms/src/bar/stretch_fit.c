@@ -39,6 +39,22 @@ static inline void add_pixel(fit_sums_t *sums, float i, const float x[REGRESSORS
     }
 }
 
+/** What the whole picture says of black and white, as if seen by so many pixels of this stretch. */
+static void add_levels(fit_sums_t *sums, const side_model_t *model)
+{
+    for (int white = 0; white < 2; ++white) {
+        const float weight = model->level_weight[white], i = model->level[white];
+        sums->n += weight;
+        sums->i += weight * i;
+        sums->ii += weight * i * i;
+        if (white) {
+            sums->x[W] += weight;
+            sums->xi[W] += weight * i;
+            sums->xx[W][W] += weight;
+        }
+    }
+}
+
 /** How much of the code cells beyond the side is black at a position along it, under the blur. */
 static float cells_at(const side_model_t *model, float along)
 {
@@ -119,17 +135,17 @@ static void sweep(double xx[REGRESSORS][REGRESSORS], double xi[REGRESSORS], int 
 
 /** Coefficients of W, K and G by back substitution after the sweeps. */
 static void coefficients(double xx[REGRESSORS][REGRESSORS], const double xi[REGRESSORS], int ground,
-                         double *contrast, double *slope)
+                         double *contrast, double *slope, double *height)
 {
     *slope = xi[G] / xx[G][G];
-    const double k = ground ? (xi[K] - xx[G][K] * *slope) / xx[K][K] : 0;
-    *contrast = (xi[W] - xx[G][W] * *slope - (ground ? xx[K][W] * k : 0)) / xx[W][W];
+    *height = ground ? (xi[K] - xx[G][K] * *slope) / xx[K][K] : 0;
+    *contrast = (xi[W] - xx[G][W] * *slope - xx[K][W] * *height) / xx[W][W];
 }
 
-static int solve(const fit_sums_t *sums, int ground, stretch_t *out)
+static int solve(const fit_sums_t *sums, int pixels, int ground, stretch_t *out)
 {
     const double n = (double)sums->n;
-    if (n < PIXELS_LEAST) {
+    if (pixels < PIXELS_LEAST) {
         return 0;
     }
     double xx[REGRESSORS][REGRESSORS], xi[REGRESSORS];
@@ -158,16 +174,18 @@ static int solve(const fit_sums_t *sums, int ground, stretch_t *out)
     }
     sweep(xx, xi, G);
     rss -= xi[G] * xi[G] / xx[G][G];
-    double contrast, slope;
-    coefficients(xx, xi, ground, &contrast, &slope);
+    double contrast, slope, height;
+    coefficients(xx, xi, ground, &contrast, &slope, &height);
     if (!(contrast > 0)) {
         return 0;
     }
-    out->pixels = (uint16_t)(n < 65535 ? n : 65535);
+    out->pixels = (uint16_t)pixels;
+    out->black = (float)(((double)sums->i - contrast * (double)sums->x[W] - height * (double)sums->x[K] -
+                          slope * (double)sums->x[G]) / n);
     out->contrast = (float)contrast;
     out->offset_px = (float)(-slope / contrast);
     out->sigma_unit = (float)(1 / (sqrt(xx[G][G]) * contrast));
-    out->variance = (float)((rss > 0 ? rss : 0) / (n - 3 - (ground ? 1 : 0)));
+    out->variance = (float)((rss > 0 ? rss : 0) / (pixels - 3 - (ground ? 1 : 0)));
     /* What of the residual the blur would explain. */
     out->blur_weight = (float)(contrast * contrast * (xx[H][H] > 0 ? xx[H][H] : 0));
     out->blur_slope = (float)(contrast * xi[H]);
@@ -194,6 +212,10 @@ int stretch_fit(const side_model_t *model, const fit_line_t *lines, int count, s
             add_line(&sums, model, &lines[i]);
         }
     }
+    const int seen = (int)sums.n;
+    if (!clipped) {
+        add_levels(&sums, model);
+    }
     out->saturated = (uint16_t)saturated;
-    return solve(&sums, !clipped && model->ground > 0.f, out);
+    return solve(&sums, seen, !clipped && model->ground > 0.f, out);
 }

@@ -20,6 +20,7 @@ typedef struct side_model {
     float cell_near, cell_far; /**< distance of the cells' two borders, px */
     float ground;          /**< distance of the bar's border, px; 0 where it is out of reach */
     float clip;            /**< part of the contrast at which white saturates, 1 where it does not */
+    float level[2], level_weight[2]; /**< of edge_scene_t */
     float white_level;     /**< grey level of a saturated pixel */
 } side_model_t;
 
