@@ -417,6 +417,43 @@ static void learn_levels(edge_scene_t *scene, bar_fit_t *fit)
     }
 }
 
+/** Mean square of the residuals of groups of stretches, in units of what independent errors give: one
+ * group for each side of so many neighbouring squares. */
+static float group_excess(const bar_fit_t *fit, int squares)
+{
+    float sum[OPMS_BAR_SQUARES][4] = {{0}}, weight[OPMS_BAR_SQUARES][4] = {{0}};
+    for (int i = 0; i < fit->count; ++i) {
+        if (fit->good[i]) {
+            const stretch_t *s = &fit->stretch[i];
+            const float w = 1.f / (fit->sigma[i] * fit->sigma[i]);
+            sum[s->square / squares][s->side] += w * fit->residual[i];
+            weight[s->square / squares][s->side] += w;
+        }
+    }
+    float total = 0;
+    int groups = 0;
+    for (int k = 0; k < OPMS_BAR_SQUARES; ++k) {
+        for (int side = 0; side < 4; ++side) {
+            if (weight[k][side] > 0.f) {
+                total += fminf(sum[k][side] * sum[k][side] / weight[k][side], 25.f);
+                ++groups;
+            }
+        }
+    }
+    return groups > UNKNOWNS ? total / (float)(groups - UNKNOWNS) : 1.f;
+}
+
+/** State larger standard deviations where errors run alike along a side or along the bar, as shade and
+ * grass make them: what is averaged does then not grow more certain by as much. */
+static void state_correlation(bar_fit_t *fit)
+{
+    const float along_side = group_excess(fit, 1) / 1.1f, along_bar = group_excess(fit, 4) / 1.3f;
+    const float excess = fmaxf(1.f, fmaxf(along_side, along_bar));
+    for (int i = 0; i < fit->count; ++i) {
+        fit->sigma[i] *= sqrtf(excess);
+    }
+}
+
 /** One pass over the given squares; 0 when too little agrees. Returns by how much the edges moved
  * and the blur changed, and the range that was confirmed. */
 typedef struct pass_result {
@@ -503,6 +540,7 @@ map_verdict_t map_refine(edge_scene_t *scene, int first, int last, float contras
             break;
         }
     }
+    state_correlation(fit);
     const int cut_too_low = scene->clip < CLIP_OF_MOTION;
     const int shifted_too_far = plain && fabs(scene->shift_px) > SHIFT_OF_STILL_PX;
     return cut_too_low || shifted_too_far || result.blurred_px >= 2 * SHAPED ? MAP_UNSURE : MAP_FIRM;
