@@ -16,10 +16,11 @@
 #define UNKNOWNS 9
 #define SCOUTING_MOST 14
 #define SCOUTING_SQUARES 6
-#define SCOUTED_PX 0.12f    /* movement after which all squares are measured */
+#define SCOUTED_PX 0.2f     /* movement after which all squares are measured */
 #define SHAPED 0.04f        /* change of blur (px) or clip that counts as none */
-#define PASSES_MOST 4
-#define SETTLED_PX 0.06f    /* movement after which no further pass is needed */
+#define SCOUTED_BLUR 0.06f
+#define PASSES_MOST 5
+#define SETTLED_PX 0.03f    /* movement after which no further pass is needed */
 #define BORDER_REACH_PX 40.0 /* a square's middle may lie this far outside and a side be seen */
 #define SCALE_SAMPLE 160
 #define TUKEY 4.685f
@@ -517,7 +518,7 @@ map_verdict_t map_refine(edge_scene_t *scene, int first, int last, float contras
             }
             continue;
         }
-        if (known && result.moved_px < SCOUTED_PX && result.blurred_px < SHAPED) {
+        if (known && result.moved_px < SCOUTED_PX && result.blurred_px < SCOUTED_BLUR) {
             if (!plain && drop_clip(scene)) {
                 plain = 1;
                 continue;
@@ -528,16 +529,18 @@ map_verdict_t map_refine(edge_scene_t *scene, int first, int last, float contras
             plain = drop_clip(scene) || plain; /* it does not settle */
         }
     }
-    if (saturated_part(fit) < SATURATED_LEAST) {
-        learn_levels(scene, fit);
-    }
     for (int pass = 0; pass < PASSES_MOST; ++pass) {
         const int count = visible_squares(scene, from, to, OPMS_BAR_SQUARES, index);
         if (!run_pass(scene, index, count, contrast, 2.f, fit, &result)) {
             return MAP_LOST;
         }
-        if (result.moved_px < SETTLED_PX && result.blurred_px < SHAPED) {
+        /* At least two passes: one that tells black and white, and one that knows them. What comes
+         * out does then not hang on where the search began. */
+        if (pass > 0 && result.moved_px < SETTLED_PX && result.blurred_px < SHAPED) {
             break;
+        }
+        if (pass == 0 && saturated_part(fit) < SATURATED_LEAST) {
+            learn_levels(scene, fit);
         }
     }
     state_correlation(fit);

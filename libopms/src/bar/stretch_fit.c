@@ -2,7 +2,6 @@
 #include "bar/stretch_fit.h"
 
 #include <math.h>
-#include <string.h>
 
 #include "bar/bar_code.h"
 
@@ -18,6 +17,18 @@
 
 enum { W, K, G, H, REGRESSORS };
 
+#define LANES 4
+#define PIXELS_MAX 1024 /* of a stretch, a multiple of LANES */
+
+typedef float lanes_t __attribute__((vector_size(LANES * sizeof(float))));
+
+/** The regressors and the grey level of each pixel, as columns for the vector unit. */
+typedef struct fit_pixels {
+    int count;
+    float x[REGRESSORS][PIXELS_MAX] __attribute__((aligned(16)));
+    float i[PIXELS_MAX] __attribute__((aligned(16)));
+} fit_pixels_t;
+
 typedef struct fit_sums {
     float n, i, ii;
     float x[REGRESSORS];                  /* sums of the regressors */
@@ -25,16 +36,59 @@ typedef struct fit_sums {
     float xx[REGRESSORS][REGRESSORS];     /* and with one another, lower triangle */
 } fit_sums_t;
 
-static inline void add_pixel(fit_sums_t *sums, float i, const float x[REGRESSORS])
+static inline float total(lanes_t v)
 {
-    sums->n += 1.f;
-    sums->i += i;
-    sums->ii += i * i;
+    return (v[0] + v[1]) + (v[2] + v[3]);
+}
+
+/** Sum up the columns; column K only where there is ground. */
+static void sum_pixels(fit_pixels_t *pixels, int ground, fit_sums_t *sums)
+{
+    int n = pixels->count;
+    for (; n % LANES != 0; ++n) {
+        pixels->i[n] = 0;
+        for (int a = 0; a < REGRESSORS; ++a) {
+            pixels->x[a][n] = 0;
+        }
+    }
+    lanes_t i = {0}, ii = {0}, x[REGRESSORS] = {{0}}, xi[REGRESSORS] = {{0}}, xx[REGRESSORS][REGRESSORS] = {{{0}}};
+    for (int k = 0; k < n; k += LANES) {
+        const lanes_t grey = *(const lanes_t *)(const void *)&pixels->i[k];
+        const lanes_t w = *(const lanes_t *)(const void *)&pixels->x[W][k];
+        const lanes_t g = *(const lanes_t *)(const void *)&pixels->x[G][k];
+        const lanes_t h = *(const lanes_t *)(const void *)&pixels->x[H][k];
+        i += grey;
+        ii += grey * grey;
+        x[W] += w;
+        x[G] += g;
+        x[H] += h;
+        xi[W] += w * grey;
+        xi[G] += g * grey;
+        xi[H] += h * grey;
+        xx[W][W] += w * w;
+        xx[G][W] += g * w;
+        xx[G][G] += g * g;
+        xx[H][W] += h * w;
+        xx[H][G] += h * g;
+        xx[H][H] += h * h;
+        if (ground) {
+            const lanes_t step = *(const lanes_t *)(const void *)&pixels->x[K][k];
+            x[K] += step;
+            xi[K] += step * grey;
+            xx[K][W] += step * w;
+            xx[K][K] += step * step;
+            xx[G][K] += g * step;
+            xx[H][K] += h * step;
+        }
+    }
+    sums->n = (float)pixels->count;
+    sums->i = total(i);
+    sums->ii = total(ii);
     for (int a = 0; a < REGRESSORS; ++a) {
-        sums->x[a] += x[a];
-        sums->xi[a] += x[a] * i;
+        sums->x[a] = total(x[a]);
+        sums->xi[a] = total(xi[a]);
         for (int b = 0; b <= a; ++b) {
-            sums->xx[a][b] += x[a] * x[b];
+            sums->xx[a][b] = total(xx[a][b]);
         }
     }
 }
@@ -91,34 +145,37 @@ static inline float coverage(const side_model_t *model, float s, float along, fl
     return w;
 }
 
-static void add_line(fit_sums_t *sums, const side_model_t *model, const fit_line_t *line)
+static void add_line(fit_pixels_t *pixels, const side_model_t *model, const fit_line_t *line)
 {
-    for (int k = 0; k < line->count; ++k) {
+    int n = pixels->count;
+    for (int k = 0; k < line->count; ++k, ++n) {
         const float s = line->s_first + (float)k * line->s_step;
-        float x[REGRESSORS] = {0};
-        x[W] = coverage(model, s, line->along_first + (float)k * line->along_step, &x[G]);
-        if (model->ground > 0.f) {
-            x[K] = edge_profile_blurred(&model->blur, s - model->ground).step;
-        }
-        x[H] = -s * model->per_sigma * x[G];
-        add_pixel(sums, line->grey[k], x);
+        float slope;
+        pixels->x[W][n] = coverage(model, s, line->along_first + (float)k * line->along_step, &slope);
+        pixels->x[K][n] = model->ground > 0.f ? edge_profile_blurred(&model->blur, s - model->ground).step : 0.f;
+        pixels->x[G][n] = slope;
+        pixels->x[H][n] = -s * model->per_sigma * slope;
+        pixels->i[n] = line->grey[k];
     }
+    pixels->count = n;
 }
 
-static void add_line_clipped(fit_sums_t *sums, const side_model_t *model, const fit_line_t *line)
+static void add_line_clipped(fit_pixels_t *pixels, const side_model_t *model, const fit_line_t *line)
 {
     const float scale = 1.f / model->clip;
-    for (int k = 0; k < line->count; ++k) {
+    int n = pixels->count;
+    for (int k = 0; k < line->count; ++k, ++n) {
         const float s = line->s_first + (float)k * line->s_step;
-        float slope, x[REGRESSORS] = {1.f, 0.f, 0.f, 0.f};
+        float slope;
         const float w = coverage(model, s, line->along_first + (float)k * line->along_step, &slope);
-        if (w < model->clip) {
-            x[W] = w * scale;
-            x[G] = slope * scale;
-            x[H] = -s * model->per_sigma * x[G];
-        }
-        add_pixel(sums, line->grey[k], x);
+        const int cut = w >= model->clip;
+        pixels->x[W][n] = cut ? 1.f : w * scale;
+        pixels->x[K][n] = 0.f;
+        pixels->x[G][n] = cut ? 0.f : slope * scale;
+        pixels->x[H][n] = cut ? 0.f : -s * model->per_sigma * slope * scale;
+        pixels->i[n] = line->grey[k];
     }
+    pixels->count = n;
 }
 
 /** Take regressor `p` out of the others and of the grey levels. */
@@ -202,20 +259,22 @@ int stretch_fit(const side_model_t *model, const fit_line_t *lines, int count, s
             saturated += lines[i].grey[k] >= white;
         }
     }
-    fit_sums_t sums;
-    memset(&sums, 0, sizeof sums);
     const int clipped = model->clip < 1.f && (float)saturated > SATURATED_PART * (float)pixels;
-    for (int i = 0; i < count; ++i) {
+    const int ground = !clipped && model->ground > 0.f;
+    fit_pixels_t columns;
+    columns.count = 0;
+    for (int i = 0; i < count && columns.count + lines[i].count <= PIXELS_MAX - LANES; ++i) {
         if (clipped) {
-            add_line_clipped(&sums, model, &lines[i]);
+            add_line_clipped(&columns, model, &lines[i]);
         } else {
-            add_line(&sums, model, &lines[i]);
+            add_line(&columns, model, &lines[i]);
         }
     }
-    const int seen = (int)sums.n;
+    fit_sums_t sums;
+    sum_pixels(&columns, ground, &sums);
     if (!clipped) {
         add_levels(&sums, model);
     }
     out->saturated = (uint16_t)saturated;
-    return solve(&sums, seen, !clipped && model->ground > 0.f, out);
+    return solve(&sums, columns.count, ground, out);
 }
