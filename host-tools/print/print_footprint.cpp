@@ -135,7 +135,7 @@ struct AxisMarks {
     std::string words;
 };
 
-/** The marks of one axis of the head: two ticks, or a centre line where one end is off the lines. */
+/** The marks of one axis: two ticks, or a centre line where one end is off the lines. */
 AxisMarks axis_marks(const Footprint &footprint, const char *name, Point axis,
                      const std::vector<Box> &keep_out)
 {

@@ -58,7 +58,7 @@ struct Ink {
     std::vector<Text> texts;
 };
 
-/** Where a sheet may be cut into tiles: at each of `offsets_mm` plus whole multiples of `pitch_mm`. */
+/** Where a sheet may be cut into tiles: at any of `offsets_mm` plus a multiple of `pitch_mm`. */
 struct Joints {
     double pitch_mm;
     std::vector<double> offsets_mm;

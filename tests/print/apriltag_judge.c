@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* An outside judge of the printed bar of AprilTags: libapriltag's own detector.
  *
- * Reads a binary PGM from the file named, prints one line a tag of family 36h11: its id, the number
- * of corrected bits, and the corners (u, v) top left, top right, bottom right, bottom left as the
- * tag stands upright, pixels from the upper left corner of the picture. */
+ * Reads the grey bytes of a picture from stdin, prints one line a tag of family 36h11: its id, the
+ * number of corrected bits, and the corners (u, v) top left, top right, bottom right, bottom left as
+ * the tag stands upright, pixels from the upper left corner of the picture. */
 #include <stdio.h>
+#include <stdlib.h>
 
 #include <apriltag.h>
 #include <common/image_u8.h>
@@ -26,13 +27,8 @@ static void print_tags(const zarray_t *tags)
     }
 }
 
-int main(int argc, char **argv)
+static void judge(image_u8_t *picture)
 {
-    image_u8_t *picture = argc == 2 ? image_u8_create_from_pnm(argv[1]) : NULL;
-    if (!picture) {
-        fprintf(stderr, "usage: apriltag_judge PICTURE.pgm\n");
-        return 2;
-    }
     apriltag_family_t *family = tag36h11_create();
     apriltag_detector_t *detector = apriltag_detector_create();
     apriltag_detector_add_family(detector, family);
@@ -42,6 +38,25 @@ int main(int argc, char **argv)
     apriltag_detections_destroy(tags);
     apriltag_detector_destroy(detector);
     tag36h11_destroy(family);
-    image_u8_destroy(picture);
+}
+
+int main(int argc, char **argv)
+{
+    const int width = argc == 3 ? atoi(argv[1]) : 0;
+    const int height = argc == 3 ? atoi(argv[2]) : 0;
+    if (width < 1 || height < 1 || width > 65535 || height > 65535) {
+        fprintf(stderr, "usage: apriltag_judge WIDTH HEIGHT < PIXELS\n");
+        return 2;
+    }
+    const size_t size = (size_t)width * (size_t)height;
+    uint8_t *pixels = malloc(size);
+    if (!pixels || fread(pixels, 1, size, stdin) != size) {
+        fprintf(stderr, "apriltag_judge: too few pixels\n");
+        free(pixels);
+        return 4;
+    }
+    image_u8_t picture = {.width = width, .height = height, .stride = width, .buf = pixels};
+    judge(&picture);
+    free(pixels);
     return 0;
 }

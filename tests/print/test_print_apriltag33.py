@@ -23,11 +23,10 @@ class AprilTagBarTest(unittest.TestCase):
 
     def judged(self):
         """Tags in the picture: id -> corners (X, Y), mm, upright from the top left clockwise."""
-        path = self.folder / "page.pgm"
         picture = self.picture
-        path.write_bytes(b"P5 %d %d 255\n" % (picture.width, picture.height) + picture.pixels)
-        text = subprocess.run([JUDGE, path], check=True, capture_output=True, text=True,
-                              timeout=120).stdout
+        text = subprocess.run([JUDGE, str(picture.width), str(picture.height)], check=True,
+                              input=picture.pixels, capture_output=True,
+                              timeout=120).stdout.decode()
         tags = {}
         for line in text.splitlines():
             number, wrong_bits, *uv = line.split()
