@@ -13,6 +13,7 @@
  * which black level, contrast and a small displacement are solved for by linear least squares. */
 
 #define LINES_A_STRETCH 5
+#define LINES_ENOUGH 16   /* across a side, for some of them to be left out while scouting */
 #define INSIDE_BLURS 4.2  /* reach of the pixels that take part, in standard deviations of the blur */
 #define OUTSIDE_BLURS 3.2
 #define GROUND_BLURS 1.4
@@ -146,7 +147,8 @@ static void load_pixels(const view_t *view, int along_axis, int main, int first,
     }
 }
 
-static int fit_side(const edge_scene_t *scene, int square, int side, stretch_t *stretches)
+static int fit_side(const edge_scene_t *scene, int square, int side, const grey_levels_t *levels,
+                    stretch_t *stretches)
 {
     side_curve_t curve;
     if (!side_predict(scene, square, side, &curve)) {
@@ -169,8 +171,6 @@ static int fit_side(const edge_scene_t *scene, int square, int side, stretch_t *
         .cell_far = (float)((BAR_CELL_GAP_MM + BAR_CELL_Y_MM) * curve.px_per_mm),
         .ground = (float)window.ground,
         .clip = (float)scene->clip,
-        .level = {scene->level[0], scene->level[1]},
-        .level_weight = {scene->level_weight[0], scene->level_weight[1]},
         .white_level = (float)view->white_level};
     const int m = curve.along_axis, c = 1 - m;
     const int main_size = m == 0 ? view->width : view->height;
@@ -179,7 +179,8 @@ static int fit_side(const edge_scene_t *scene, int square, int side, stretch_t *
     const double a = curve.p0[m] - reach * curve.p1[m] + reach * reach * curve.p2[m];
     const double b = curve.p0[m] + reach * curve.p1[m] + reach * reach * curve.p2[m];
     const int from = (int)fmax(ceil(fmin(a, b)), 0), to = (int)fmin(floor(fmax(a, b)), main_size - 1);
-    const int line_count = to - from + 1;
+    const int line_step = to - from >= LINES_ENOUGH ? scene->line_step : 1;
+    const int line_count = (to - from) / line_step + 1;
     if (line_count < 2) {
         return 0;
     }
@@ -189,10 +190,11 @@ static int fit_side(const edge_scene_t *scene, int square, int side, stretch_t *
     fit_line_t lines[STRETCH_LINES_MAX];
     int found = 0;
     for (int part = 0; part < parts; ++part) {
-        const int part_from = from + line_count * part / parts, part_to = from + line_count * (part + 1) / parts;
+        const int part_from = line_count * part / parts, part_to = line_count * (part + 1) / parts;
         double along = 0;
         int used = 0;
-        for (int main = part_from; main < part_to && used < STRETCH_LINES_MAX; ++main) {
+        for (int k = part_from; k < part_to && used < STRETCH_LINES_MAX; ++k) {
+            const int main = from + k * line_step;
             double tau = (main - curve.p0[m]) / curve.p1[m];
             tau = (main - curve.p0[m] - curve.p2[m] * tau * tau) / curve.p1[m];
             const double edge = curve.p0[c] + tau * (curve.p1[c] + tau * curve.p2[c]);
@@ -216,7 +218,12 @@ static int fit_side(const edge_scene_t *scene, int square, int side, stretch_t *
             ++used;
         }
         stretch_t *out = &stretches[found];
-        if (used == 0 || !stretch_fit(&model, lines, used, out)) {
+        if (used == 0) {
+            continue;
+        }
+        out->expected_px = shift;
+        stretch_sum(&model, lines, used, out);
+        if (!stretch_solve(levels, out)) {
             continue;
         }
         const double tau = along / used;
@@ -227,18 +234,18 @@ static int fit_side(const edge_scene_t *scene, int square, int side, stretch_t *
             out->predicted[axis] = (float)(curve.p0[axis] + tau * (curve.p1[axis] + tau * curve.p2[axis]));
             out->normal[axis] = (float)curve.normal[axis];
         }
-        out->offset_px += shift;
         out->px_per_mm = (float)curve.px_per_mm;
         ++found;
     }
     return found;
 }
 
-int edge_fit_square(const edge_scene_t *scene, int square, stretch_t *stretches)
+int edge_fit_square(const edge_scene_t *scene, int square, const grey_levels_t *levels,
+                    stretch_t *stretches)
 {
     int count = 0;
     for (int side = 0; side < 4; ++side) {
-        count += fit_side(scene, square, side, stretches + count);
+        count += fit_side(scene, square, side, levels, stretches + count);
     }
     return count;
 }

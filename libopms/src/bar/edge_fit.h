@@ -22,16 +22,34 @@ typedef struct edge_scene {
                                motion grows with the scale */
     int still;         /**< the picture is known not to have moved: one blur for all sides */
     double clip;       /**< part of the true contrast at which white saturates, 1 if it does not */
-    /** Grey levels of black and white that the picture has shown, and the weight of each as so many
-     * pixels; weight 0 where none is known. */
-    float level[2], level_weight[2];
+    int line_step;     /**< every so many lines of pixels across a side are looked at */
 } edge_scene_t;
+
+/** Grey levels of black [0] and white [1] that the picture has shown, and the weight of each as so many
+ * pixels of a stretch; weight 0 where none is known. */
+typedef struct grey_levels {
+    float grey[2], weight[2];
+} grey_levels_t;
+
+/** Regressors of a stretch's least squares: white coverage, ground, slope of the coverage along the
+ * normal, derivative of the coverage by the blur. */
+enum { W, K, G, H, REGRESSORS };
+
+typedef struct fit_sums {
+    float n, i, ii;
+    float x[REGRESSORS];                  /* sums of the regressors */
+    float xi[REGRESSORS];                 /* and of their products with the grey level */
+    float xx[REGRESSORS][REGRESSORS];     /* and with one another, lower triangle */
+} fit_sums_t;
 
 /** One stretch of a side, as fitted. */
 typedef struct stretch {
     int16_t square, side;
     uint16_t pixels;
     uint16_t saturated;   /**< pixels at the white level */
+    uint8_t clipped, ground; /**< the model has saturated white, or the ground, in it */
+    fit_sums_t sums;
+    float expected_px;    /**< offset at which the sums were taken */
     float along_mm;       /**< position of its middle along the side */
     float normal[2];      /**< outward, unit */
     float predicted[2];   /**< unshifted edge of the map at along_mm, px */
@@ -50,8 +68,13 @@ typedef struct stretch {
  * Gaussian blur, with the square's corners and the black code cells next to the side in it;
  * black, contrast and position are free for each stretch. Raw pixels, no resampling.
  *
+ * @param levels     Black and white where they are known.
  * @param stretches  Room for 4 OPMS_BAR_EDGES_PER_SIDE.
  * @return The number of stretches that could be fitted. */
-int edge_fit_square(const edge_scene_t *scene, int square, stretch_t *stretches);
+int edge_fit_square(const edge_scene_t *scene, int square, const grey_levels_t *levels,
+                    stretch_t *stretches);
+
+/** Solve a measured stretch once more, with other grey levels; 0 where it has no edge to be placed. */
+int stretch_solve(const grey_levels_t *levels, stretch_t *stretch);
 
 #endif

@@ -16,11 +16,13 @@
 #define UNKNOWNS 9
 #define SCOUTING_MOST 14
 #define SCOUTING_SQUARES 6
-#define SCOUTED_PX 0.2f     /* movement after which all squares are measured */
+#define SCOUTING_STEP 2     /* lines of pixels */
+#define SCOUTED_PX 0.12f     /* movement after which all squares are measured */
 #define SHAPED 0.04f        /* change of blur (px) or clip that counts as none */
 #define SCOUTED_BLUR 0.06f
+#define UNSHAPED 0.1f       /* such a change at the end means that nothing settles */
 #define PASSES_MOST 5
-#define SETTLED_PX 0.03f    /* movement after which no further pass is needed */
+#define SETTLED_PX 0.02f    /* movement after which no further pass is needed */
 #define BORDER_REACH_PX 40.0 /* a square's middle may lie this far outside and a side be seen */
 #define SCALE_SAMPLE 160
 #define TUKEY 4.685f
@@ -91,7 +93,7 @@ static void measure(const edge_scene_t *scene, const int *index, int count, bar_
 {
     fit->count = 0;
     for (int i = 0; i < count; ++i) {
-        fit->count += edge_fit_square(scene, index[i], &fit->stretch[fit->count]);
+        fit->count += edge_fit_square(scene, index[i], &fit->levels, &fit->stretch[fit->count]);
     }
 }
 
@@ -393,10 +395,11 @@ static int clamp_index(int k)
     return k < 0 ? 0 : k >= OPMS_BAR_SQUARES ? OPMS_BAR_SQUARES - 1 : k;
 }
 
-/** Learn black and white from the stretches of a pass that did not know them yet. Their scatter, light
+/** Learn black and white from the stretches of a pass and solve these again with both. Their scatter, light
  * and shade included, says how far they may be believed in any one place. */
-static void learn_levels(edge_scene_t *scene, bar_fit_t *fit)
+static void learn_levels(bar_fit_t *fit)
 {
+    grey_levels_t levels;
     for (int white = 0; white < 2; ++white) {
         int n = 0;
         for (int i = 0; i < fit->count; ++i) {
@@ -413,8 +416,14 @@ static void learn_levels(edge_scene_t *scene, bar_fit_t *fit)
             fit->residual[i] = fabsf(fit->residual[i] - middle);
         }
         const float scatter = fmaxf(1.4826f * median(fit->residual, n), LEVEL_SCATTER_LEAST * fit->noise);
-        scene->level[white] = middle;
-        scene->level_weight[white] = fit->noise * fit->noise / (scatter * scatter);
+        levels.grey[white] = middle;
+        levels.weight[white] = fit->noise * fit->noise / (scatter * scatter);
+    }
+    fit->levels = levels;
+    for (int i = 0; i < fit->count; ++i) {
+        if (!stretch_solve(&fit->levels, &fit->stretch[i])) {
+            fit->stretch[i].contrast = 0; /* no edge: the selection leaves it out */
+        }
     }
 }
 
@@ -465,9 +474,16 @@ typedef struct pass_result {
 static int run_pass(edge_scene_t *scene, const int *index, int count, float contrast, float reach_px,
                     bar_fit_t *fit, pass_result_t *result)
 {
+    fit->levels.weight[0] = fit->levels.weight[1] = 0;
     measure(scene, index, count, fit);
     if (select_good(fit, contrast * 0.5f, reach_px, scene) < GOOD_LEAST) {
         return 0;
+    }
+    if (scene->line_step == 1 && saturated_part(fit) < SATURATED_LEAST) {
+        learn_levels(fit);
+        if (select_good(fit, contrast * 0.5f, reach_px, scene) < GOOD_LEAST) {
+            return 0;
+        }
     }
     linearise(scene, fit);
     double change[UNKNOWNS] = {0};
@@ -500,6 +516,7 @@ map_verdict_t map_refine(edge_scene_t *scene, int first, int last, float contras
     int from = clamp_index(first), to = clamp_index(last);
     int index[OPMS_BAR_SQUARES];
     pass_result_t result = {0, 0, from, to};
+    scene->line_step = SCOUTING_STEP;
     int plain = 0; /* saturated, but better measured as if it were not */
     /* Scouting: few squares, until the range stands still and the blur is known. */
     for (int pass = 0; pass < SCOUTING_MOST; ++pass) {
@@ -529,22 +546,18 @@ map_verdict_t map_refine(edge_scene_t *scene, int first, int last, float contras
             plain = drop_clip(scene) || plain; /* it does not settle */
         }
     }
+    scene->line_step = 1;
     for (int pass = 0; pass < PASSES_MOST; ++pass) {
         const int count = visible_squares(scene, from, to, OPMS_BAR_SQUARES, index);
         if (!run_pass(scene, index, count, contrast, 2.f, fit, &result)) {
             return MAP_LOST;
         }
-        /* At least two passes: one that tells black and white, and one that knows them. What comes
-         * out does then not hang on where the search began. */
-        if (pass > 0 && result.moved_px < SETTLED_PX && result.blurred_px < SHAPED) {
+        if (result.moved_px < SETTLED_PX && result.blurred_px < SHAPED) {
             break;
-        }
-        if (pass == 0 && saturated_part(fit) < SATURATED_LEAST) {
-            learn_levels(scene, fit);
         }
     }
     state_correlation(fit);
     const int cut_too_low = scene->clip < CLIP_OF_MOTION;
     const int shifted_too_far = plain && fabs(scene->shift_px) > SHIFT_OF_STILL_PX;
-    return cut_too_low || shifted_too_far || result.blurred_px >= 2 * SHAPED ? MAP_UNSURE : MAP_FIRM;
+    return cut_too_low || shifted_too_far || result.blurred_px >= UNSHAPED ? MAP_UNSURE : MAP_FIRM;
 }

@@ -17,6 +17,7 @@ typedef enum map_verdict {
 /** Stretches of the last pass and what they say together. */
 typedef struct bar_fit {
     int count;
+    grey_levels_t levels;
     stretch_t stretch[OPMS_BAR_EDGES_MAX];
     float residual[OPMS_BAR_EDGES_MAX]; /**< offset from the fitted map, px */
     float sigma[OPMS_BAR_EDGES_MAX];    /**< px */

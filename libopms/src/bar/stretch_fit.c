@@ -15,8 +15,6 @@
 #define PIXELS_LEAST 10
 #define SATURATED_PART 0.12f /* of a stretch's pixels, from which on its white counts as saturated */
 
-enum { W, K, G, H, REGRESSORS };
-
 #define LANES 4
 #define PIXELS_MAX 1024 /* of a stretch, a multiple of LANES */
 
@@ -28,13 +26,6 @@ typedef struct fit_pixels {
     float x[REGRESSORS][PIXELS_MAX] __attribute__((aligned(16)));
     float i[PIXELS_MAX] __attribute__((aligned(16)));
 } fit_pixels_t;
-
-typedef struct fit_sums {
-    float n, i, ii;
-    float x[REGRESSORS];                  /* sums of the regressors */
-    float xi[REGRESSORS];                 /* and of their products with the grey level */
-    float xx[REGRESSORS][REGRESSORS];     /* and with one another, lower triangle */
-} fit_sums_t;
 
 static inline float total(lanes_t v)
 {
@@ -94,10 +85,10 @@ static void sum_pixels(fit_pixels_t *pixels, int ground, fit_sums_t *sums)
 }
 
 /** What the whole picture says of black and white, as if seen by so many pixels of this stretch. */
-static void add_levels(fit_sums_t *sums, const side_model_t *model)
+static void add_levels(fit_sums_t *sums, const grey_levels_t *levels)
 {
     for (int white = 0; white < 2; ++white) {
-        const float weight = model->level_weight[white], i = model->level[white];
+        const float weight = levels->weight[white], i = levels->grey[white];
         sums->n += weight;
         sums->i += weight * i;
         sums->ii += weight * i * i;
@@ -199,8 +190,15 @@ static void coefficients(double xx[REGRESSORS][REGRESSORS], const double xi[REGR
     *contrast = (xi[W] - xx[G][W] * *slope - xx[K][W] * *height) / xx[W][W];
 }
 
-static int solve(const fit_sums_t *sums, int pixels, int ground, stretch_t *out)
+int stretch_solve(const grey_levels_t *levels, stretch_t *out)
 {
+    const int pixels = (int)out->sums.n;
+    int ground = out->ground;
+    fit_sums_t with_levels = out->sums;
+    if (!out->clipped) {
+        add_levels(&with_levels, levels);
+    }
+    const fit_sums_t *sums = &with_levels;
     const double n = (double)sums->n;
     if (pixels < PIXELS_LEAST) {
         return 0;
@@ -240,7 +238,7 @@ static int solve(const fit_sums_t *sums, int pixels, int ground, stretch_t *out)
     out->black = (float)(((double)sums->i - contrast * (double)sums->x[W] - height * (double)sums->x[K] -
                           slope * (double)sums->x[G]) / n);
     out->contrast = (float)contrast;
-    out->offset_px = (float)(-slope / contrast);
+    out->offset_px = out->expected_px + (float)(-slope / contrast);
     out->sigma_unit = (float)(1 / (sqrt(xx[G][G]) * contrast));
     out->variance = (float)((rss > 0 ? rss : 0) / (pixels - 3 - (ground ? 1 : 0)));
     /* What of the residual the blur would explain. */
@@ -249,7 +247,7 @@ static int solve(const fit_sums_t *sums, int pixels, int ground, stretch_t *out)
     return 1;
 }
 
-int stretch_fit(const side_model_t *model, const fit_line_t *lines, int count, stretch_t *out)
+void stretch_sum(const side_model_t *model, const fit_line_t *lines, int count, stretch_t *out)
 {
     int pixels = 0, saturated = 0;
     const float white = model->white_level - 0.5f;
@@ -259,22 +257,17 @@ int stretch_fit(const side_model_t *model, const fit_line_t *lines, int count, s
             saturated += lines[i].grey[k] >= white;
         }
     }
-    const int clipped = model->clip < 1.f && (float)saturated > SATURATED_PART * (float)pixels;
-    const int ground = !clipped && model->ground > 0.f;
+    out->saturated = (uint16_t)saturated;
+    out->clipped = model->clip < 1.f && (float)saturated > SATURATED_PART * (float)pixels;
+    out->ground = !out->clipped && model->ground > 0.f;
     fit_pixels_t columns;
     columns.count = 0;
     for (int i = 0; i < count && columns.count + lines[i].count <= PIXELS_MAX - LANES; ++i) {
-        if (clipped) {
+        if (out->clipped) {
             add_line_clipped(&columns, model, &lines[i]);
         } else {
             add_line(&columns, model, &lines[i]);
         }
     }
-    fit_sums_t sums;
-    sum_pixels(&columns, ground, &sums);
-    if (!clipped) {
-        add_levels(&sums, model);
-    }
-    out->saturated = (uint16_t)saturated;
-    return solve(&sums, columns.count, ground, out);
+    sum_pixels(&columns, out->ground, &out->sums);
 }

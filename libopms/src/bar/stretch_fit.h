@@ -20,7 +20,6 @@ typedef struct side_model {
     float cell_near, cell_far; /**< distance of the cells' two borders, px */
     float ground;          /**< distance of the bar's border, px; 0 where it is out of reach */
     float clip;            /**< part of the contrast at which white saturates, 1 where it does not */
-    float level[2], level_weight[2]; /**< of edge_scene_t */
     float white_level;     /**< grey level of a saturated pixel */
 } side_model_t;
 
@@ -33,9 +32,7 @@ typedef struct fit_line {
     float grey[LINE_PIXELS_MAX];
 } fit_line_t;
 
-/** Fit black level, contrast and position to a stretch; the geometry in `out` is the caller's.
- *
- * @return 0 where the stretch has no edge that can be placed. */
-int stretch_fit(const side_model_t *model, const fit_line_t *lines, int count, stretch_t *out);
+/** Sum up the pixels of a stretch into `out`; its geometry is the caller's. */
+void stretch_sum(const side_model_t *model, const fit_line_t *lines, int count, stretch_t *out);
 
 #endif
