@@ -87,7 +87,10 @@ sim::PoseRange range_of(const Arguments &a)
 {
     sim::PoseRange range = a.range;
     const Numbers &deg = a.attitude;
-    range.attitude_deg = {deg[0], deg[deg.size() > 1 ? 1 : 0], deg[deg.size() > 2 ? 2 : 0]};
+    if (deg.size() == 2) {
+        throw std::invalid_argument("--attitude-deg: one number or three are wanted");
+    }
+    range.attitude_deg = {deg.front(), deg.size() == 3 ? deg[1] : deg.front(), deg.back()};
     return range;
 }
 

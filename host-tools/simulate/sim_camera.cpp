@@ -10,7 +10,7 @@ namespace opms::simulate
 namespace
 {
 
-constexpr double RADIUS_MAX = 20; /* a view of 174 degrees; no lens of this model is wider */
+constexpr double RADIUS_MAX = 10; /* a view of 168 degrees; no lens of this model is wider */
 
 struct Bent {
     cv::Vec2d at;
@@ -34,7 +34,7 @@ Bent bend(const Camera &c, const cv::Vec2d &n)
 /** One to one all around at this radius: the derivative has not changed its sense. */
 bool is_upright(const Camera &camera, double radius)
 {
-    constexpr int DIRECTIONS = 64;
+    constexpr int DIRECTIONS = 32;
     for (int i = 0; i < DIRECTIONS; ++i) {
         const double a = 2 * PI * i / DIRECTIONS;
         const cv::Matx22d by = bend(camera, {radius * std::cos(a), radius * std::sin(a)}).by;
@@ -72,7 +72,7 @@ cv::Vec2d distort(const Camera &camera, const cv::Vec2d &normalised)
 
 double fold_radius(const Camera &camera)
 {
-    constexpr double STEP = 0.01;
+    constexpr double STEP = 0.02;
     double inside = 0, outside = STEP;
     while (outside < RADIUS_MAX && is_upright(camera, outside)) {
         inside = outside;

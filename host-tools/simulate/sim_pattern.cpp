@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The printed patterns of docs/conventions.md as rectangles. The tags are kept here as pictures, so
- * that no library decides what is drawn; the tests compare them with libapriltag's own drawing. */
+ * that no library decides what is drawn; the tests compare them with libapriltag's own table. */
 #include <array>
 #include <cstddef>
 #include <cstdint>

@@ -14,7 +14,6 @@ namespace opms::simulate
 namespace
 {
 
-constexpr std::array<double, 4> SCALES_M = {0.40, 0.12, 0.036, 0.011};
 /** Variance of a lattice of unit normals between its points, for smooth steps. */
 constexpr double BETWEEN = 0.5518;
 
@@ -32,6 +31,10 @@ Scenery::Scenery(const Scene &scene) : camera_(scene.camera), look_(scene.look)
     lattice_.resize(static_cast<std::size_t>(LATTICE) * LATTICE);
     for (float &value : lattice_) {
         value = static_cast<float>(soil_random.normal());
+    }
+    for (cv::Vec2d &offset : offsets_) {
+        const double across = soil_random.uniform(0, LATTICE);
+        offset = {across, soil_random.uniform(0, LATTICE)};
     }
     Random random(scene.seed, Stream::LIGHT);
     const double towards = random.uniform(0, 2 * PI), across = random.uniform(0, 2 * PI);
@@ -105,14 +108,19 @@ double Scenery::soil(double x, double y, double px_m) const
 {
     double sum = 0;
     double turn_x = 0.8, turn_y = 0.6; /* each scale is turned, so that no lattice shows */
-    for (const double scale : SCALES_M) {
+    for (std::size_t level = 0; level < SCALES_M.size(); ++level) {
+        const double scale = SCALES_M[level];
         const double weight = std::clamp(scale / (2 * px_m) - 1, 0.0, 1.0);
         if (weight == 0) {
             break;
         }
         /* Far ground is a repetition; fmod keeps the integers small. */
-        const double u = std::fmod((turn_x * x + turn_y * y) / scale, LATTICE) + 2 * LATTICE;
-        const double v = std::fmod((turn_x * y - turn_y * x) / scale, LATTICE) + 2 * LATTICE;
+        const double u =
+            std::fmod((turn_x * x + turn_y * y) / scale + offsets_[level][0], LATTICE) +
+            2 * LATTICE;
+        const double v =
+            std::fmod((turn_x * y - turn_y * x) / scale + offsets_[level][1], LATTICE) +
+            2 * LATTICE;
         const auto i = static_cast<unsigned>(u), j = static_cast<unsigned>(v);
         const double a = smooth_step(u - i), b = smooth_step(v - j);
         const unsigned i0 = i % LATTICE, i1 = (i + 1) % LATTICE;

@@ -34,7 +34,10 @@ class Scenery
 
     Camera camera_;
     Look look_;
+    static constexpr std::array<double, 4> SCALES_M = {0.40, 0.12, 0.036, 0.011};
+
     std::vector<float> lattice_;
+    std::array<cv::Vec2d, SCALES_M.size()> offsets_; /**< no place is a node of all scales */
     std::vector<cv::Vec2d> rays_;
     int rays_across_ = 0;
     cv::Vec2d gradient_, shadow_point_, shadow_normal_;
