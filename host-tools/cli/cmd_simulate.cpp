@@ -3,6 +3,7 @@
  * renderer. */
 #include <array>
 #include <chrono>
+#include <cmath>
 #include <cstdint>
 #include <cstdio>
 #include <filesystem>
@@ -112,9 +113,9 @@ void place(const Arguments &a, const Work &work, int index, sim::Scene &scene)
             return;
         }
     }
-    throw std::runtime_error("no pose in this range shows " + std::to_string(a.min_visible) +
-                             (a.kind == "bar" ? " squares" : " nodes") +
-                             "; lower --min-visible or change the range");
+    throw std::invalid_argument("no pose in this range shows " + std::to_string(a.min_visible) +
+                                (a.kind == "bar" ? " squares" : " nodes") +
+                                "; lower --min-visible or change the range");
 }
 
 void report(const Arguments &a, const sim::Scene &scene, const std::string &stem, double ms)
@@ -150,9 +151,32 @@ void simulate_one(const Arguments &a, const Work &work, int index)
     report(a, scene, (std::filesystem::path(a.out) / name).string(), took.count());
 }
 
+/** What the lists of options hold is not checked one by one. */
+void require_finite(const char *name, const Numbers &numbers)
+{
+    for (const double number : numbers) {
+        if (!std::isfinite(number)) {
+            throw std::invalid_argument(std::string(name) + ": give finite numbers");
+        }
+    }
+}
+
+void check_lists(const Arguments &a)
+{
+    const sim::PoseRange &r = a.range;
+    require_finite("--velocity", a.velocity);
+    require_finite("--rotation", a.rotation);
+    require_finite("--attitude-deg", a.attitude);
+    for (const cv::Vec2d &range : {r.x_m, r.y_m, r.z_m, r.distance_m, r.incidence_deg,
+                                   r.azimuth_deg, r.along_m, r.camera_roll_deg}) {
+        require_finite("a range of poses", {range[0], range[1]});
+    }
+}
+
 int simulate(const Arguments &a)
 {
     try {
+        check_lists(a);
         const Work work = prepare(a);
         const int count = work.poses.empty() ? a.count : static_cast<int>(work.poses.size());
         for (int i = 0; i < count; ++i) {
@@ -168,9 +192,18 @@ int simulate(const Arguments &a)
     }
 }
 
+/** As CLI::Range, but "nan" is in no range. */
 CLI::Validator between(double low, double high)
 {
-    return CLI::Range(low, high).description("");
+    const CLI::Validator range = CLI::Range(low, high).description("");
+    return {[range](std::string &text) {
+                double value = 0;
+                if (CLI::detail::lexical_cast(text, value) && std::isnan(value)) {
+                    return std::string("Value nan is not a number");
+                }
+                return range(text);
+            },
+            ""};
 }
 
 void add_output(CLI::App &cmd, Arguments &a)
@@ -258,7 +291,7 @@ void add_range(CLI::App &cmd, const char *name, cv::Vec2d &range, const char *he
 void add_poses(CLI::App &cmd, Arguments &a)
 {
     const char *group = "Where the camera is";
-    cmd.add_option("--poses", a.poses, "One picture a pose of this JSON file, none at random")
+    cmd.add_option("--poses,--pose-file", a.poses, "One picture a pose of this JSON file, none at random")
         ->type_name("FILE.json")
         ->group(group);
     if (a.kind == "bar") {

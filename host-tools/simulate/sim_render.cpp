@@ -18,7 +18,7 @@ namespace
 
 constexpr int TILE_PX = 32;
 constexpr double PIECE_MM = 60; /* a sheet is cut into pieces, so that few tiles touch each */
-constexpr int STEPS_MIN = 8, STEPS_MAX = 128;
+constexpr int STEPS_MIN = 16, STEPS_MAX = 128;
 constexpr double MM = 1e-3;
 
 struct DrawnProp {
