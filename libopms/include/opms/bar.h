@@ -45,7 +45,8 @@ typedef struct opms_edge {
     double normal[2];   /**< unit normal of the edge in the picture, out of the square */
     double sigma_px;    /**< standard deviation along the normal, from the image noise */
     /** Pixels by which this edge moves along its normal when the common edge shift grows by one: 1
-     * unless saturation meets edges of different blur (motion), where it is proportional to the blur. */
+     * unless saturation meets edges of different blur (motion), where it is proportional to the
+     * blur. */
     double shift_gain;
 } opms_edge_t;
 
@@ -56,7 +57,8 @@ typedef struct opms_bar_summary {
     uint32_t edge_count;
     uint32_t followed;    /**< the bar was found where the hint said */
     double label_margin;  /**< log-likelihood ratio of the labels to the next best; 0 if none */
-    double blur_px[2];    /**< Gaussian edge blur of the sides along X and of those along Y; 0 unknown */
+    /** Standard deviation of the blur across the sides along Y [0] and along X [1], with motion. */
+    double blur_px[2];
     double noise;         /**< standard deviation of the grey levels about the edge model */
     double contrast;      /**< median grey levels from black to white */
     double white_fraction_saturated; /**< part of the white beside the squares that is saturated */
@@ -65,7 +67,7 @@ typedef struct opms_bar_summary {
 /** Options of a detector; fill with opms_bar_options_init() first. */
 typedef struct opms_bar_options {
     uint32_t struct_size;
-    int32_t min_square_px;  /**< shortest side of a square that the search must not miss; 6 to 64, default 7 */
+    int32_t min_square_px; /**< shortest side that the search must not miss; 6 to 64, default 7 */
     opms_allocator_t allocator;
 } opms_bar_options_t;
 
@@ -105,7 +107,8 @@ OPMS_API opms_status_t opms_bar_detect(opms_bar_detector_t *detector, const opms
 /** Squares of the last opms_bar_detect(), by rising index.
  * @param[out] count  May be NULL.
  * @return Owned by the detector, valid until its next call. @since 0.1 */
-OPMS_API const opms_square_t *opms_bar_squares(const opms_bar_detector_t *detector, uint32_t *count);
+OPMS_API const opms_square_t *opms_bar_squares(const opms_bar_detector_t *detector,
+                                               uint32_t *count);
 
 /** Measured edges of the last opms_bar_detect().
  * @param[out] count  May be NULL.

@@ -36,8 +36,9 @@ OPMS_API opms_status_t opms_lens_check(const opms_lens_t *lens, opms_error_t *er
  * @param[out] jac    NULL, or 2 x 3 row-major d(u, v)/d(X, Y, Z).
  * @param[out] jac_intrinsics NULL, or 2 x 8 row-major d(u, v)/d(fx fy cx cy k1 k2 p1 p2).
  *
- * @return OPMS_OK; OPMS_ERR_ARG for NULL; OPMS_ERR_DOMAIN where Z <= 0, a value is not finite, or the ray lies
- *         beyond the fold of the distortion (where the model would mirror it back into the picture).
+ * @return OPMS_OK; OPMS_ERR_ARG for NULL; OPMS_ERR_DOMAIN where Z <= 0, a value is not finite, or
+ *         the ray lies beyond the fold of the distortion (where the model would mirror it back
+ *         into the picture).
  * @since 0.1 */
 OPMS_API opms_status_t opms_lens_project(const opms_lens_t *lens, const double point_m[3],
                                          double px[2], double *jac, double *jac_intrinsics,
@@ -45,10 +46,12 @@ OPMS_API opms_status_t opms_lens_project(const opms_lens_t *lens, const double p
 
 /** The ray of a pixel: normalised coordinates (x, y) with opms_lens_project((x, y, 1)) = px.
  *
- * Exact: reprojection within 1e-10 px of px (relative to the picture's size) everywhere in a picture that passes
- * opms_lens_check(). Newton's method on the exact Jacobian with a guarded start.
+ * Exact: reprojection within 1e-10 px of px (relative to the picture's size) everywhere in a
+ * picture that passes opms_lens_check(). Newton's method on the exact Jacobian with a guarded
+ * start.
  *
- * @param px          (u, v); up to half a picture outside the borders is accepted where the model is still one-to-one.
+ * @param px          (u, v); up to half a picture outside the borders is accepted where the model
+ *                    is still one-to-one.
  * @param[out] ray    (x, y)
  * @param[out] jac    NULL, or 2 x 2 row-major d(x, y)/d(u, v).
  *

@@ -35,7 +35,8 @@ typedef struct opms_pose_result {
     double residual_px;    /**< weighted RMS of the used edges' distances from the solution */
     double chi2_dof;       /**< mean squared residual in units of the stated sigmas, used edges */
     double chi2_other;     /**< chi2 excess of the other planar solution; large is good */
-    double intrinsics_jacobian[48]; /**< 6 x 8: d(w, d)/d(fx fy cx cy k1 k2 p1 p2) at the solution */
+    /** 6 x 8, row-major: d(w, d)/d(fx fy cx cy k1 k2 p1 p2) at the solution. */
+    double intrinsics_jacobian[48];
 } opms_pose_result_t;
 
 /** Pose from edges.
@@ -43,8 +44,8 @@ typedef struct opms_pose_result {
  * Start: the linear homography of the edges' lines in normalised coordinates, decomposed into both
  * planar solutions; then Gauss-Newton with analytic gradients on the edges through the full lens
  * model, robust (Tukey), with the common edge shift as a seventh unknown. The covariance is the
- * inverse information of the edges' sigmas, scaled up by chi2 where the residuals are larger than stated.
- * Pure: any thread, any time; allocates nothing.
+ * inverse information of the edges' sigmas, scaled up by chi2 where the residuals are larger than
+ * stated. Pure: any thread, any time; allocates nothing.
  *
  * @param lens       Must pass opms_lens_check(); checked for finiteness only.
  * @param edges      At least 8, on at least 2 squares, for a pose; finite, sigma_px > 0.
@@ -69,8 +70,8 @@ enum {
  *
  * @param bar_camera   A result whose state is OPMS_POSE_FOUND.
  * @param camera       With has_detector_camera; covariances it holds are added.
- * @param bar_tilt_rad Positive: printed face turned away from the operator, R_ground_bar = Ry(-tilt);
- *                     -pi/2 to pi/2.
+ * @param bar_tilt_rad Positive: printed face turned away from the operator,
+ *                     R_ground_bar = Ry(-tilt); -pi/2 to pi/2.
  * @param[out] ground_detector  Detector to ground, covariance of the same convention.
  * @param[out] includes  NULL, or the OPMS_COVARIANCE_ bits that went in.
  * @return OPMS_OK or OPMS_ERR_ARG.
@@ -80,8 +81,8 @@ OPMS_API opms_status_t opms_pose_detector(const opms_pose_result_t *bar_camera,
                                           opms_pose_t *ground_detector, uint32_t *includes,
                                           opms_error_t *err);
 
-/** Check a camera: its lens, rotation (orthonormal to 1e-6, right-handed) and covariances (finite, symmetric,
- * no negative variance).
+/** Check a camera: its lens, rotation (orthonormal to 1e-6, right-handed) and covariances (finite,
+ * symmetric, no negative variance).
  * @return OPMS_OK, OPMS_ERR_ARG or OPMS_ERR_DOMAIN. @since 0.1 */
 OPMS_API opms_status_t opms_camera_check(const opms_camera_t *camera, opms_error_t *err);
 

@@ -22,7 +22,7 @@ typedef enum opms_status {
     OPMS_ERR_ARG = -1,      /**< An argument is NULL, out of range or not finite. */
     OPMS_ERR_MEMORY = -2,   /**< An allocation failed (only `_create` allocates). */
     OPMS_ERR_CAPACITY = -3, /**< A caller's buffer is too small; the needed size is reported. */
-    OPMS_ERR_DOMAIN = -4,   /**< No solution exists, e.g. a pixel that no ray of the lens reaches. */
+    OPMS_ERR_DOMAIN = -4, /**< No solution exists, e.g. a pixel that no ray of the lens reaches. */
     OPMS_ERR_CONVERGE = -5, /**< An iteration did not converge. */
     OPMS_ERR_INTERNAL = -6  /**< A defect of the library; please report it. */
 } opms_status_t;

@@ -8,7 +8,8 @@
 
 /* A square's neighbour along the bar lies one and a half sides away. Its corners are predicted from
  * the last one or two squares of the row, its threshold is measured at its own middle and margins,
- * and its contour must return corners near the predicted ones. A square that is hidden is jumped. */
+ * and its contour must return corners near the predicted ones. A square that is hidden is jumped.
+ */
 
 #define LONGEST_GAP 6           /* squares that may be hidden in a row */
 #define CORNER_TOLERANCE 0.38f  /* of the predicted square's sides */
@@ -31,11 +32,14 @@ static float span(point_t a, point_t b)
     return hypotf(a.x - b.x, a.y - b.y);
 }
 
-/** Corners of a contour's quadrilateral in bar order, so that they are next to the predicted ones. */
+/** Corners of a contour's quadrilateral in bar order, so that they are next to the predicted ones.
+ */
 static int match_corners(const quad_t *quad, const point_t predicted[4], point_t corner[4])
 {
-    const float side_y = 0.5f * (span(predicted[0], predicted[3]) + span(predicted[1], predicted[2]));
-    const float side_x = 0.5f * (span(predicted[0], predicted[1]) + span(predicted[3], predicted[2]));
+    const float side_y =
+        0.5f * (span(predicted[0], predicted[3]) + span(predicted[1], predicted[2]));
+    const float side_x =
+        0.5f * (span(predicted[0], predicted[1]) + span(predicted[3], predicted[2]));
     const float reach = CORNER_TOLERANCE * (side_x < side_y ? side_x : side_y) +
                         0.08f * (side_x + side_y);
     for (int turn = 0; turn < 4; ++turn) {
@@ -64,11 +68,13 @@ static int find_square(const view_t *view, const point_t predicted[4], float con
         return 0;
     }
     const float black = view_bilinear(view, mid.x, mid.y);
-    const float white = 0.5f * (view_bilinear(view, low.x, low.y) + view_bilinear(view, high.x, high.y));
+    const float white =
+        0.5f * (view_bilinear(view, low.x, low.y) + view_bilinear(view, high.x, high.y));
     if (white - black < contrast) {
         return 0;
     }
-    static const float part[2] = {0.5f, 0.3f}; /* the lower one where blur joins a cell to the square */
+    static const float part[2] = {0.5f,
+                                  0.3f}; /* the lower one where blur joins a cell to the square */
     for (int i = 0; i < 2; ++i) {
         quad_t quad;
         if (quad_trace(view, (int)(mid.x + 0.5f), (int)(mid.y + 0.5f),
@@ -115,7 +121,8 @@ static void grow_end(const view_t *view, float contrast, const quad_limits_t *li
             has_before = 1;
         }
     }
-    const int room = chain->count + (most - chain->count + (direction > 0)) / (direction > 0 ? 2 : 1);
+    const int room =
+        chain->count + (most - chain->count + (direction > 0)) / (direction > 0 ? 2 : 1);
     while (chain->count < room) {
         const int reach = has_before ? LONGEST_GAP : 2;
         int step = 1;
@@ -175,7 +182,8 @@ int chain_grow(const view_t *view, const quad_t *seed, float contrast, const qua
     return chain->count;
 }
 
-/** Common outward shift of the sides, from the pitch between neighbours: a square is two thirds of it. */
+/** Common outward shift of the sides, from the pitch between neighbours: a square is two thirds of
+ * it. */
 static float shift_of(const chain_t *chain)
 {
     float sum = 0;
@@ -186,8 +194,9 @@ static float shift_of(const chain_t *chain)
             continue;
         }
         const point_t ma = middle(a->corner), mb = middle(b->corner);
-        const float side = 0.25f * (span(a->corner[0], a->corner[3]) + span(a->corner[1], a->corner[2]) +
-                                    span(b->corner[0], b->corner[3]) + span(b->corner[1], b->corner[2]));
+        const float side =
+            0.25f * (span(a->corner[0], a->corner[3]) + span(a->corner[1], a->corner[2]) +
+                     span(b->corner[0], b->corner[3]) + span(b->corner[1], b->corner[2]));
         sum += 0.5f * (side - span(ma, mb) * 2.f / 3.f);
         ++n;
     }
@@ -201,10 +210,13 @@ static void move_sides(chain_t *chain, float outward)
         point_t *c = chain->square[i].corner;
         const float x = 0.5f * (span(c[0], c[1]) + span(c[3], c[2]));
         const float y = 0.5f * (span(c[0], c[3]) + span(c[1], c[2]));
-        const point_t ux = {(c[1].x + c[2].x - c[0].x - c[3].x) / (2 * x), (c[1].y + c[2].y - c[0].y - c[3].y) / (2 * x)};
-        const point_t uy = {(c[2].x + c[3].x - c[0].x - c[1].x) / (2 * y), (c[2].y + c[3].y - c[0].y - c[1].y) / (2 * y)};
+        const point_t ux = {(c[1].x + c[2].x - c[0].x - c[3].x) / (2 * x),
+                            (c[1].y + c[2].y - c[0].y - c[3].y) / (2 * x)};
+        const point_t uy = {(c[2].x + c[3].x - c[0].x - c[1].x) / (2 * y),
+                            (c[2].y + c[3].y - c[0].y - c[1].y) / (2 * y)};
         for (int k = 0; k < 4; ++k) {
-            const float sx = (k == 1 || k == 2) ? outward : -outward, sy = k >= 2 ? outward : -outward;
+            const float sx = (k == 1 || k == 2) ? outward : -outward,
+                        sy = k >= 2 ? outward : -outward;
             c[k].x += sx * ux.x + sy * uy.x;
             c[k].y += sx * ux.y + sy * uy.y;
         }
@@ -237,11 +249,13 @@ static double misfit(const struct chain_square *square, const opms_lens_t *lens,
     for (int k = 0; k < 4; ++k) {
         double px[2];
         const double x = (k == 1 || k == 2) ? BAR_HALF_SQUARE_MM : -BAR_HALF_SQUARE_MM;
-        const double y = BAR_PITCH_MM * square->place + (k >= 2 ? BAR_HALF_SQUARE_MM : -BAR_HALF_SQUARE_MM);
+        const double y =
+            BAR_PITCH_MM * square->place + (k >= 2 ? BAR_HALF_SQUARE_MM : -BAR_HALF_SQUARE_MM);
         if (!plane_map_project(map, lens, ray_limit, x, y, px, NULL)) {
             return 1e9;
         }
-        const double d = hypot(px[0] - (double)square->corner[k].x, px[1] - (double)square->corner[k].y);
+        const double d =
+            hypot(px[0] - (double)square->corner[k].x, px[1] - (double)square->corner[k].y);
         worst = d > worst ? d : worst;
     }
     const double side = (double)fminf(span(square->corner[0], square->corner[1]),
@@ -250,7 +264,8 @@ static double misfit(const struct chain_square *square, const opms_lens_t *lens,
     return worst / allowed;
 }
 
-int chain_fit(chain_t *chain, const opms_lens_t *lens, double ray_limit, plane_map_t *map, double *shift_px)
+int chain_fit(chain_t *chain, const opms_lens_t *lens, double ray_limit, plane_map_t *map,
+              double *shift_px)
 {
     const float shift = shift_of(chain);
     move_sides(chain, -shift);

@@ -33,6 +33,7 @@ int chain_grow(const view_t *view, const quad_t *seed, float contrast, const qua
  * motion can make the squares a good deal smaller than they are.
  *
  * @return 1 if at least two squares agree. */
-int chain_fit(chain_t *chain, const opms_lens_t *lens, double ray_limit, plane_map_t *map, double *shift_px);
+int chain_fit(chain_t *chain, const opms_lens_t *lens, double ray_limit, plane_map_t *map,
+              double *shift_px);
 
 #endif

@@ -14,7 +14,8 @@
 
 #define LINES_A_STRETCH 5
 #define LINES_ENOUGH 16   /* across a side, for some of them to be left out while scouting */
-#define INSIDE_BLURS 4.2  /* reach of the pixels that take part, in standard deviations of the blur */
+#define INSIDE_BLURS                                                                               \
+    4.2 /* reach of the pixels that take part, in standard deviations of the blur */
 #define OUTSIDE_BLURS 3.2
 #define GROUND_BLURS 1.4
 
@@ -71,8 +72,8 @@ static int side_predict(const edge_scene_t *scene, int square, int side, side_cu
         curve->px_per_mm = -curve->px_per_mm;
     }
     double border[2];
-    if (!plane_map_project(&scene->map, scene->lens, scene->ray_limit, out[0] * BAR_HALF_WIDTH_MM, square_y,
-                           border, NULL)) {
+    if (!plane_map_project(&scene->map, scene->lens, scene->ray_limit, out[0] * BAR_HALF_WIDTH_MM,
+                           square_y, border, NULL)) {
         return 0;
     }
     curve->border_px = nx * (border[0] - end[1][0]) + ny * (border[1] - end[1][1]);
@@ -119,8 +120,8 @@ static side_window_t window_of(const side_curve_t *curve, int side, double blur,
         /* Up to the middle of the cells, which are modelled. */
         window.outside = fmin(wide, (BAR_CELL_GAP_MM + 4.0) * curve->px_per_mm);
     } else {
-        /* Beyond the bar's border lies the ground, of unknown brightness. It is modelled as far as its
-         * edge goes, since farther out lie the bar's side, its shadow and grass. */
+        /* Beyond the bar's border lies the ground, of unknown brightness. It is modelled as far as
+         * its edge goes, since farther out lie the bar's side, its shadow and grass. */
         const double border = curve->border_px;
         if (clipped) {
             window.outside = fmin(wide, fmax(border - 2.2 * blur, 0.4 * border));
@@ -133,7 +134,8 @@ static side_window_t window_of(const side_curve_t *curve, int side, double blur,
     return window;
 }
 
-static void load_pixels(const view_t *view, int along_axis, int main, int first, int count, float *grey)
+static void load_pixels(const view_t *view, int along_axis, int main, int first, int count,
+                        float *grey)
 {
     if (along_axis == 1 && !view->wide) {
         const uint8_t *row = view->base + (ptrdiff_t)main * view->stride + first;
@@ -143,7 +145,8 @@ static void load_pixels(const view_t *view, int along_axis, int main, int first,
         return;
     }
     for (int k = 0; k < count; ++k) {
-        grey[k] = (float)(along_axis == 0 ? view_at(view, main, first + k) : view_at(view, first + k, main));
+        grey[k] = (float)(along_axis == 0 ? view_at(view, main, first + k)
+                                          : view_at(view, first + k, main));
     }
 }
 
@@ -157,14 +160,16 @@ static int fit_side(const edge_scene_t *scene, int square, int side, const grey_
     const view_t *view = scene->view;
     const int family = side == 1 || side == 3;
     const double sigma = blur_at(scene, family, curve.px_per_mm);
-    const double along_px = 1 / hypot(curve.along_mm[0], curve.along_mm[1]); /* per mm, square to the ends */
+    const double along_px =
+        1 / hypot(curve.along_mm[0], curve.along_mm[1]); /* per mm, square to the ends */
     const double sigma_along = blur_at(scene, !family, along_px);
     const side_window_t window = window_of(&curve, side, sigma, sigma_along, scene->clip < 1);
     const float shift = (float)(scene->shift_px * scene->shift_gain[family]);
     const side_model_t model = {
         .blur = edge_blur_of(sigma, fmin(scene->blur_px[0], scene->blur_px[1])),
         .per_sigma = (float)(1 / sigma),
-        .end_at = (float)(BAR_HALF_SQUARE_MM + scene->shift_px * scene->shift_gain[!family] / along_px),
+        .end_at =
+            (float)(BAR_HALF_SQUARE_MM + scene->shift_px * scene->shift_gain[!family] / along_px),
         .along_scale = (float)(along_px / sigma_along),
         .cells = family ? bar_gap_cells(square, side == 3 ? 1 : -1) : 0,
         .cell_near = (float)(BAR_CELL_GAP_MM * curve.px_per_mm) - 2.f * shift,
@@ -178,7 +183,8 @@ static int fit_side(const edge_scene_t *scene, int square, int side, const grey_
     const double reach = 1.0 - window.trim;
     const double a = curve.p0[m] - reach * curve.p1[m] + reach * reach * curve.p2[m];
     const double b = curve.p0[m] + reach * curve.p1[m] + reach * reach * curve.p2[m];
-    const int from = (int)fmax(ceil(fmin(a, b)), 0), to = (int)fmin(floor(fmax(a, b)), main_size - 1);
+    const int from = (int)fmax(ceil(fmin(a, b)), 0),
+              to = (int)fmin(floor(fmax(a, b)), main_size - 1);
     const int line_step = to - from >= LINES_ENOUGH ? scene->line_step : 1;
     const int line_count = (to - from) / line_step + 1;
     if (line_count < 2) {
@@ -212,7 +218,8 @@ static int fit_side(const edge_scene_t *scene, int square, int side, const grey_
             line->s_step = (float)(curve.sign * curve.cosine);
             line->s_first = (float)(curve.sign * curve.cosine * (first - edge)) - shift;
             line->along_step = (float)curve.along_mm[c];
-            line->along_first = (float)(BAR_HALF_SQUARE_MM * tau + curve.along_mm[c] * (first - edge));
+            line->along_first =
+                (float)(BAR_HALF_SQUARE_MM * tau + curve.along_mm[c] * (first - edge));
             load_pixels(view, curve.along_axis, main, first, line->count, line->grey);
             along += tau;
             ++used;
@@ -231,7 +238,8 @@ static int fit_side(const edge_scene_t *scene, int square, int side, const grey_
         out->side = (int16_t)side;
         out->along_mm = (float)(BAR_HALF_SQUARE_MM * tau);
         for (int axis = 0; axis < 2; ++axis) {
-            out->predicted[axis] = (float)(curve.p0[axis] + tau * (curve.p1[axis] + tau * curve.p2[axis]));
+            out->predicted[axis] =
+                (float)(curve.p0[axis] + tau * (curve.p1[axis] + tau * curve.p2[axis]));
             out->normal[axis] = (float)curve.normal[axis];
         }
         out->px_per_mm = (float)curve.px_per_mm;

@@ -17,16 +17,17 @@ typedef struct edge_scene {
     plane_map_t map;
     double shift_px;      /**< common outward shift of the sides */
     double shift_gain[2]; /**< by which a family of sides takes part in it; families as blur_px */
-    double blur_px[2]; /**< standard deviation, of the sides along Y (X = +-10 mm) and of those along X */
-    double blur_scale[2]; /**< px per mm across those sides where the blur is as stated: what of it comes from
-                               motion grows with the scale */
+    double blur_px[2];    /**< standard deviation, of the sides along Y (X = +-10 mm) and of those
+                             along X */
+    double blur_scale[2]; /**< px per mm across those sides where the blur is as stated: what of it
+                             comes from motion grows with the scale */
     int still;         /**< the picture is known not to have moved: one blur for all sides */
     double clip;       /**< part of the true contrast at which white saturates, 1 if it does not */
     int line_step;     /**< every so many lines of pixels across a side are looked at */
 } edge_scene_t;
 
-/** Grey levels of black [0] and white [1] that the picture has shown, and the weight of each as so many
- * pixels of a stretch; weight 0 where none is known. */
+/** Grey levels of black [0] and white [1] that the picture has shown, and the weight of each as so
+ * many pixels of a stretch; weight 0 where none is known. */
 typedef struct grey_levels {
     float grey[2], weight[2];
 } grey_levels_t;
@@ -74,7 +75,8 @@ typedef struct stretch {
 int edge_fit_square(const edge_scene_t *scene, int square, const grey_levels_t *levels,
                     stretch_t *stretches);
 
-/** Solve a measured stretch once more, with other grey levels; 0 where it has no edge to be placed. */
+/** Solve a measured stretch once more, with other grey levels; 0 where it has no edge to be placed.
+ */
 int stretch_solve(const grey_levels_t *levels, stretch_t *stretch);
 
 #endif

@@ -29,11 +29,13 @@ static inline edge_blur_t edge_blur_of(double sigma, double still)
 {
     const double box = sigma > 1.15 * still ? sqrt(12.0 * (sigma * sigma - still * still)) : 0;
     const double gauss = box > 0 ? still : sigma;
-    const edge_blur_t blur = {(float)gauss, (float)(1 / gauss), (float)box, box > 0 ? (float)(1 / box) : 0.f};
+    const edge_blur_t blur = {(float)gauss, (float)(1 / gauss), (float)box,
+                              box > 0 ? (float)(1 / box) : 0.f};
     return blur;
 }
 
-/** The unit Gaussian's profile at z standard deviations; linear between entries (error below 1e-4). */
+/** The unit Gaussian's profile at z standard deviations; linear between entries (error below 1e-4).
+ */
 static inline edge_profile_t edge_profile(float z)
 {
     float at = (z + (float)EDGE_PROFILE_REACH) * (float)EDGE_PROFILE_STEPS;

@@ -8,10 +8,11 @@
 
 /* Each cell gives a soft value, 0 black to 1 white, normalised by its own square's black and the
  * white margins next to it. A place of the row on the bar predicts which cells are black; how black
- * they come out is not known beforehand, since blur and saturated white can nearly close a cell, and
- * neighbouring cells run into one another when they are small in the picture. So each hypothesis is
- * a linear regression on the printed cells and on the leak between neighbours, and hypotheses are
- * compared by their likelihood with the noise estimated from the residual, which has a floor. */
+ * they come out is not known beforehand, since blur and saturated white can nearly close a cell,
+ * and neighbouring cells run into one another when they are small in the picture. So each
+ * hypothesis is a linear regression on the printed cells and on the leak between neighbours, and
+ * hypotheses are compared by their likelihood with the noise estimated from the residual, which has
+ * a floor. */
 
 #define SIGMA_LEAST 0.025     /* of a soft value about its prediction: what noise alone does */
 #define SIGMA_OF_DEPTH 0.075  /* and what an inexact map and blur do, as a part of a cell's depth */
@@ -76,7 +77,8 @@ static void read_square(const view_t *view, const plane_map_t *map, const opms_l
     for (int bit = 0; bit < BAR_CELLS; ++bit) {
         value[bit] = -2.f;
         if (blacks > 0 && whites > 0 && white * (float)blacks > black * (float)whites &&
-            sample_cell(view, map, lens, ray_limit, bar_cell_x_mm[bit], y + bar_cell_y_mm[bit], &v)) {
+            sample_cell(view, map, lens, ray_limit, bar_cell_x_mm[bit], y + bar_cell_y_mm[bit],
+                        &v)) {
             const float low = black / (float)blacks, high = white / (float)whites;
             const float soft = (v - low) / (high - low);
             value[bit] = soft < -0.3f ? -0.3f : soft > 1.3f ? 1.3f : soft;
@@ -112,7 +114,8 @@ static void regress(const row_cells_t *cells, int turn, int offset, regression_t
             const unsigned mask = gap[printed >= 3];
             const int position = BAR_CELLS - 1 - printed;
             const double e = (double)cell_of(mask, position);
-            const double l = (double)(cell_of(mask, position - 1) + cell_of(mask, position + 1)) - 2 * e;
+            const double l =
+                (double)(cell_of(mask, position - 1) + cell_of(mask, position + 1)) - 2 * e;
             const double r = 1.0 - (double)cells->value[i][bit];
             ++sums->n;
             sums->rr += r * r;

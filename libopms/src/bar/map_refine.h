@@ -30,7 +30,8 @@ typedef struct bar_fit {
  *
  * @param first, last  Range of squares that the map was fitted to.
  * @param contrast     Least grey levels from black to white.
- * @return MAP_UNSURE where so little is left of saturated, moving profiles that their middle is not known. */
+ * @return MAP_UNSURE where so little is left of saturated, moving profiles that their middle is not
+ * known. */
 map_verdict_t map_refine(edge_scene_t *scene, int first, int last, float contrast, bar_fit_t *fit);
 
 #endif

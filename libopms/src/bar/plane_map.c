@@ -69,7 +69,8 @@ int plane_map_project(const plane_map_t *map, const opms_lens_t *lens, double ra
     }
     double bend[4];
     lens_project_ray_jac(lens, x, y, &px[0], &px[1], bend);
-    const double x_a = (h[0] - x * h[6]) / (w * X_UNIT_MM), y_a = (h[3] - y * h[6]) / (w * X_UNIT_MM);
+    const double x_a = (h[0] - x * h[6]) / (w * X_UNIT_MM),
+                 y_a = (h[3] - y * h[6]) / (w * X_UNIT_MM);
     const double x_b = (h[1] - x * h[7]) / (w * map->scale_mm);
     const double y_b = (h[4] - y * h[7]) / (w * map->scale_mm);
     jac[0] = bend[0] * x_a + bend[1] * y_a;

@@ -33,7 +33,8 @@ int plane_map_project(const plane_map_t *map, const opms_lens_t *lens, double ra
 void plane_map_gradient(const plane_map_t *map, const opms_lens_t *lens, double x_mm, double y_mm,
                         double px[2], double grad[16]);
 
-/** Rename the plane's coordinates: Y becomes Y + shift; with `turn`, X becomes -X and Y shift - Y. */
+/** Rename the plane's coordinates: Y becomes Y + shift; with `turn`, X becomes -X and Y shift - Y.
+ */
 void plane_map_relabel(plane_map_t *map, int turn, double shift_mm);
 
 #endif

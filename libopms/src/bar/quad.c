@@ -82,7 +82,8 @@ static int farthest_beside(const point_t *points, int count, point_t a, point_t 
     int best = -1;
     float most = 0.f;
     for (int i = 0; i < count; ++i) {
-        const float d = side * ((b.x - a.x) * (points[i].y - a.y) - (b.y - a.y) * (points[i].x - a.x));
+        const float d =
+            side * ((b.x - a.x) * (points[i].y - a.y) - (b.y - a.y) * (points[i].x - a.x));
         if (d > most) {
             most = d;
             best = i;
@@ -193,7 +194,8 @@ static int fit_quad(const point_t *points, int count, float shortest_side, quad_
     quad->longest = 0;
     quad->centre.x = quad->centre.y = 0;
     for (int i = 0; i < 4; ++i) {
-        const point_t a = quad->corner[i], b = quad->corner[(i + 1) & 3], c = quad->corner[(i + 2) & 3];
+        const point_t a = quad->corner[i], b = quad->corner[(i + 1) & 3],
+                      c = quad->corner[(i + 2) & 3];
         const float length = sqrtf(distance_sq(a, b));
         if ((b.x - a.x) * (c.y - b.y) - (b.y - a.y) * (c.x - b.x) <= 0) {
             return 0; /* not convex, or not in the sense promised */

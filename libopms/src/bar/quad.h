@@ -13,7 +13,8 @@ typedef struct point {
 } point_t;
 
 typedef struct quad {
-    point_t corner[4]; /**< in turn; the sense is that of X to Y in the picture (clockwise as seen) */
+    point_t
+        corner[4]; /**< in turn; the sense is that of X to Y in the picture (clockwise as seen) */
     point_t centre;
     float shortest, longest; /**< sides, px */
     float black, white;      /**< grey levels that set the threshold */

@@ -5,15 +5,16 @@
 
 #include "bar/bar_code.h"
 
-/* grey = black + contrast w(s - offset), to first order in the offset, with w the white coverage and
- * g = dw/ds: linear in black, contrast and contrast times offset. Next to the bar's border the ground
- * begins, of unknown brightness: one more step, k, with a height of its own. Where white saturates, the coverage
- * is cut at the part `clip` of the true contrast, and w is what is left, scaled to 1. One more
- * regressor, h, the derivative of w by the blur, is not solved for here: what it would explain of the
- * residual is handed on, and summed over the picture by the caller. */
+/* grey = black + contrast w(s - offset), to first order in the offset, with w the white coverage
+ * and g = dw/ds: linear in black, contrast and contrast times offset. Next to the bar's border the
+ * ground begins, of unknown brightness: one more step, k, with a height of its own. Where white
+ * saturates, the coverage is cut at the part `clip` of the true contrast, and w is what is left,
+ * scaled to 1. One more regressor, h, the derivative of w by the blur, is not solved for here: what
+ * it would explain of the residual is handed on, and summed over the picture by the caller. */
 
 #define PIXELS_LEAST 10
-#define SATURATED_PART 0.12f /* of a stretch's pixels, from which on its white counts as saturated */
+#define SATURATED_PART                                                                             \
+    0.12f /* of a stretch's pixels, from which on its white counts as saturated */
 
 #define LANES 4
 #define PIXELS_MAX 1024 /* of a stretch, a multiple of LANES */
@@ -42,7 +43,8 @@ static void sum_pixels(fit_pixels_t *pixels, int ground, fit_sums_t *sums)
             pixels->x[a][n] = 0;
         }
     }
-    lanes_t i = {0}, ii = {0}, x[REGRESSORS] = {{0}}, xi[REGRESSORS] = {{0}}, xx[REGRESSORS][REGRESSORS] = {{{0}}};
+    lanes_t i = {0}, ii = {0}, x[REGRESSORS] = {{0}}, xi[REGRESSORS] = {{0}},
+            xx[REGRESSORS][REGRESSORS] = {{{0}}};
     for (int k = 0; k < n; k += LANES) {
         const lanes_t grey = *(const lanes_t *)(const void *)&pixels->i[k];
         const lanes_t w = *(const lanes_t *)(const void *)&pixels->x[W][k];
@@ -129,8 +131,9 @@ static inline float coverage(const side_model_t *model, float s, float along, fl
     const float there = to_end < 3.5f ? edge_profile(to_end).step : 1.f;
     float w = 1.f - (1.f - edge.step) * there;
     if (model->cells && (s - model->cell_near) * model->per_sigma > -3.5f) {
-        w -= cells_at(model, along) * (edge_profile_blurred(&model->blur, s - model->cell_near).step -
-                                       edge_profile_blurred(&model->blur, s - model->cell_far).step);
+        w -= cells_at(model, along) *
+             (edge_profile_blurred(&model->blur, s - model->cell_near).step -
+              edge_profile_blurred(&model->blur, s - model->cell_far).step);
     }
     *slope = edge.pulse * there;
     return w;
@@ -142,8 +145,10 @@ static void add_line(fit_pixels_t *pixels, const side_model_t *model, const fit_
     for (int k = 0; k < line->count; ++k, ++n) {
         const float s = line->s_first + (float)k * line->s_step;
         float slope;
-        pixels->x[W][n] = coverage(model, s, line->along_first + (float)k * line->along_step, &slope);
-        pixels->x[K][n] = model->ground > 0.f ? edge_profile_blurred(&model->blur, s - model->ground).step : 0.f;
+        pixels->x[W][n] =
+            coverage(model, s, line->along_first + (float)k * line->along_step, &slope);
+        pixels->x[K][n] =
+            model->ground > 0.f ? edge_profile_blurred(&model->blur, s - model->ground).step : 0.f;
         pixels->x[G][n] = slope;
         pixels->x[H][n] = -s * model->per_sigma * slope;
         pixels->i[n] = line->grey[k];
@@ -151,7 +156,8 @@ static void add_line(fit_pixels_t *pixels, const side_model_t *model, const fit_
     pixels->count = n;
 }
 
-static void add_line_clipped(fit_pixels_t *pixels, const side_model_t *model, const fit_line_t *line)
+static void add_line_clipped(fit_pixels_t *pixels, const side_model_t *model,
+                             const fit_line_t *line)
 {
     const float scale = 1.f / model->clip;
     int n = pixels->count;
@@ -235,8 +241,9 @@ int stretch_solve(const grey_levels_t *levels, stretch_t *out)
         return 0;
     }
     out->pixels = (uint16_t)pixels;
-    out->black = (float)(((double)sums->i - contrast * (double)sums->x[W] - height * (double)sums->x[K] -
-                          slope * (double)sums->x[G]) / n);
+    out->black = (float)(((double)sums->i - contrast * (double)sums->x[W] -
+                          height * (double)sums->x[K] - slope * (double)sums->x[G]) /
+                         n);
     out->contrast = (float)contrast;
     out->offset_px = out->expected_px + (float)(-slope / contrast);
     out->sigma_unit = (float)(1 / (sqrt(xx[G][G]) * contrast));

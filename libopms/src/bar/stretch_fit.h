@@ -14,19 +14,20 @@
 typedef struct side_model {
     edge_blur_t blur;      /**< across the side */
     float per_sigma;       /**< 1 / standard deviation of that blur */
-    float end_at;          /**< where the side ends, mm from its middle, the common shift included */
+    float end_at; /**< where the side ends, mm from its middle, the common shift included */
     float along_scale;     /**< standard deviations of the blur along the side, per mm of it */
     unsigned cells;        /**< black code cells beyond the gap, bar_gap_cells(); 0 for none */
     float cell_near, cell_far; /**< distance of the cells' two borders, px */
     float ground;          /**< distance of the bar's border, px; 0 where it is out of reach */
-    float clip;            /**< part of the contrast at which white saturates, 1 where it does not */
+    float clip; /**< part of the contrast at which white saturates, 1 where it does not */
     float white_level;     /**< grey level of a saturated pixel */
 } side_model_t;
 
 /** One line of pixels across a side. Both coordinates of the side run along it, since a line of the
  * picture is seldom square to the side. */
 typedef struct fit_line {
-    float s_first, s_step;         /**< distance from the expected edge, outward: first pixel, and step, px */
+    float s_first,
+        s_step; /**< distance from the expected edge, outward: first pixel, and step, px */
     float along_first, along_step; /**< position along the side, mm from its middle */
     int count;
     float grey[LINE_PIXELS_MAX];

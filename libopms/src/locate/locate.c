@@ -33,8 +33,9 @@ void opms_locator_options_init(opms_locator_options_t *options)
     }
 }
 
-opms_status_t opms_locator_create(const opms_camera_t *camera, const opms_locator_options_t *options,
-                                  opms_locator_t **locator, opms_error_t *err)
+opms_status_t opms_locator_create(const opms_camera_t *camera,
+                                  const opms_locator_options_t *options, opms_locator_t **locator,
+                                  opms_error_t *err)
 {
     if (!camera || !locator) {
         return opms_fail(err, OPMS_ERR_ARG, STAGE, -1, "%s is NULL", camera ? "locator" : "camera");
@@ -44,14 +45,15 @@ opms_status_t opms_locator_create(const opms_camera_t *camera, const opms_locato
     opms_locator_options_init(&chosen);
     if (options) {
         if (options->struct_size != sizeof chosen) {
-            return opms_fail(err, OPMS_ERR_ARG, STAGE, -1, "options.struct_size is %u, this library needs %u",
+            return opms_fail(err, OPMS_ERR_ARG, STAGE, -1,
+                             "options.struct_size is %u, this library needs %u",
                              (unsigned)options->struct_size, (unsigned)sizeof chosen);
         }
         chosen = *options;
     }
     if (!(chosen.bar_tilt_rad > -1.5707964 && chosen.bar_tilt_rad < 1.5707964)) {
-        return opms_fail(err, OPMS_ERR_ARG, STAGE, -1, "bar_tilt_rad is %g, allowed is -pi/2 to pi/2",
-                         chosen.bar_tilt_rad);
+        return opms_fail(err, OPMS_ERR_ARG, STAGE, -1,
+                         "bar_tilt_rad is %g, allowed is -pi/2 to pi/2", chosen.bar_tilt_rad);
     }
     opms_bar_detector_t *detector;
     OPMS_TRY(opms_bar_detector_create(&camera->lens, &chosen.bar, &detector, err));
@@ -97,8 +99,9 @@ static opms_status_t solve(opms_locator_t *locator, opms_location_t *location, o
     location->state = OPMS_BAR_LOCATED;
     locator->has_residuals = 1;
     if (locator->camera.has_detector_camera) {
-        OPMS_TRY(opms_pose_detector(&location->pose, &locator->camera, locator->options.bar_tilt_rad,
-                                    &location->ground_detector, &location->covariance_includes, err));
+        OPMS_TRY(opms_pose_detector(&location->pose, &locator->camera,
+                                    locator->options.bar_tilt_rad, &location->ground_detector,
+                                    &location->covariance_includes, err));
         location->has_ground_detector = 1;
     }
     return OPMS_OK;
@@ -109,7 +112,8 @@ opms_status_t opms_locator_locate(opms_locator_t *locator, const opms_image_t *i
                                   opms_location_t *location, opms_error_t *err)
 {
     if (!locator || !location) {
-        return opms_fail(err, OPMS_ERR_ARG, STAGE, -1, "%s is NULL", locator ? "location" : "locator");
+        return opms_fail(err, OPMS_ERR_ARG, STAGE, -1, "%s is NULL",
+                         locator ? "location" : "locator");
     }
     opms_bar_summary_t summary;
     OPMS_TRY(opms_bar_detect(locator->detector, image, roi, hint, &summary, err));
@@ -137,14 +141,15 @@ static void squares_of_pose(opms_locator_t *locator, const opms_transform_t *pos
         for (int c = 0; all && c < 4; ++c) {
             const double half = 0.5 * OPMS_BAR_SQUARE_M;
             const double p[3] = {(c == 1 || c == 2 ? half : -half) - pose->t_m[0],
-                                 OPMS_BAR_PITCH_M * (k - OPMS_BAR_ORIGIN) + (c >= 2 ? half : -half) - pose->t_m[1],
+                                 OPMS_BAR_PITCH_M * (k - OPMS_BAR_ORIGIN) +
+                                     (c >= 2 ? half : -half) - pose->t_m[1],
                                  -pose->t_m[2]};
             const double *R = pose->R;
             const double in_camera[3] = {R[0] * p[0] + R[3] * p[1] + R[6] * p[2],
                                          R[1] * p[0] + R[4] * p[1] + R[7] * p[2],
                                          R[2] * p[0] + R[5] * p[1] + R[8] * p[2]};
-            all = opms_lens_project(&locator->camera.lens, in_camera, square->corners_px[c], NULL, NULL,
-                                    NULL) == OPMS_OK;
+            all = opms_lens_project(&locator->camera.lens, in_camera, square->corners_px[c], NULL,
+                                    NULL, NULL) == OPMS_OK;
         }
         square->index = k;
         square->edges = edges[k];
@@ -165,8 +170,8 @@ opms_status_t opms_locator_solve(opms_locator_t *locator, const opms_edge_t *edg
     }
     for (uint32_t i = 0; i < count; ++i) {
         if (edges[i].square < 0 || edges[i].square >= OPMS_BAR_SQUARES) {
-            return opms_fail(err, OPMS_ERR_ARG, STAGE, (int32_t)i, "edges[%u].square is %d", (unsigned)i,
-                             (int)edges[i].square);
+            return opms_fail(err, OPMS_ERR_ARG, STAGE, (int32_t)i, "edges[%u].square is %d",
+                             (unsigned)i, (int)edges[i].square);
         }
     }
     if (count > 0) {

@@ -1,0 +1,27 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/** @file
+ * What blur, motion and saturation make of all edges of a picture alike. */
+#ifndef OPMS_BAR_PICTURE_SHAPE_H
+#define OPMS_BAR_PICTURE_SHAPE_H
+
+#include "bar/map_refine.h"
+
+/** Part of the pixels next to the sides that is saturated. */
+double shape_saturated_part(const bar_fit_t *fit);
+
+/** Take over the blur that the last pass asks for. */
+void shape_update_blur(edge_scene_t *scene, const bar_fit_t *fit);
+
+/** How much each family of sides takes part in the common shift. */
+void shape_update_gain(edge_scene_t *scene, const bar_fit_t *fit);
+
+/** Start modelling saturated white, from what a fit without it shows. */
+void shape_guess_clip(edge_scene_t *scene);
+
+/** Move the clip so that no common shift is left. */
+void shape_update_clip(edge_scene_t *scene);
+
+/** Go back to a plain fit where that does better; 1 if so. */
+int shape_drop_clip(edge_scene_t *scene);
+
+#endif
