@@ -20,7 +20,7 @@ from truth import (angle_error_deg, position_error_mm, visible_squares,  # noqa:
 
 OPMS = os.environ.get("OPMS", "opms")
 DATA = HERE.parent / "data"
-STILL, MOTION = DATA / "bar", DATA / "bar-motion"
+STILL, MOTION, UNSURE = DATA / "bar", DATA / "bar-motion", DATA / "bar-unsure"
 
 
 def truth_of(picture):
@@ -67,13 +67,24 @@ class Truth(unittest.TestCase):
     def test_motion(self):
         self.check(MOTION, limit_mm=3.0, limit_deg=0.3)
 
+    def test_what_cannot_be_told_gets_no_wrong_pose(self):
+        for picture in sorted(UNSURE.glob("*.png")):
+            call = [OPMS, "locate", "--json", "--camera", str(UNSURE / "camera.yaml"), str(picture)]
+            result = subprocess.run(call, capture_output=True, text=True, timeout=60)
+            row = json.loads(result.stdout)
+            self.assertEqual(result.returncode, 0)
+            self.assertIn(row["state"], ("ambiguous", "located"))
+            if row["state"] == "located":
+                self.assertLess(position_error_mm(row, truth_of(picture)), 3.0)
+
     def test_following_gives_the_same_poses(self):
         """The pictures are no sequence: every hint is wrong, and none may do harm."""
         pictures = sorted(STILL.glob("*.png"))
         for alone, followed in zip(locate(pictures), locate(pictures, "--follow"), strict=True):
             with self.subTest(picture=alone["image"]):
-                self.assertEqual([s["index"] for s in alone["squares"]],
-                                 [s["index"] for s in followed["squares"]])
+                # A square that grass all but hides may come or go; a label never changes.
+                seen, again = ({s["index"] for s in row["squares"]} for row in (alone, followed))
+                self.assertLessEqual(len(seen ^ again), 1)
                 self.assertLess(math.dist(alone["t_bar_camera_m"], followed["t_bar_camera_m"]),
                                 0.1 * sigma_m(alone))
 

@@ -2,7 +2,8 @@
 /* An outside judge of the printed bar of AprilTags: libapriltag's own detector.
  *
  * Reads the grey bytes of a picture from stdin, prints one line a tag of family 36h11: its id, the
- * number of corrected bits, and the corners (u, v) top left, top right, bottom right, bottom left as
+ * number of corrected bits, and the corners (u, v) top left, top right, bottom right, bottom left
+ * as
  * the tag stands upright, pixels from the upper left corner of the picture. */
 #include <stdio.h>
 #include <stdlib.h>
