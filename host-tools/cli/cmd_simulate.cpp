@@ -291,7 +291,8 @@ void add_range(CLI::App &cmd, const char *name, cv::Vec2d &range, const char *he
 void add_poses(CLI::App &cmd, Arguments &a)
 {
     const char *group = "Where the camera is";
-    cmd.add_option("--poses,--pose-file", a.poses, "One picture a pose of this JSON file, none at random")
+    cmd.add_option("--poses,--pose-file", a.poses,
+                   "One picture a pose of this JSON file, none at random")
         ->type_name("FILE.json")
         ->group(group);
     if (a.kind == "bar") {

@@ -77,9 +77,19 @@ class Simulate(unittest.TestCase):
         done = opms("simulate", "bar", "--out", self.out, "--poses", "nowhere.json")
         self.assertEqual(done.returncode, 4)
         self.assertIn("nowhere.json", done.stderr)
+
+    def test_a_range_that_shows_nothing_is_refused(self):
         done = opms("simulate", "bar", "--out", self.out, "--y-m", 5, 6)
-        self.assertEqual(done.returncode, 4)
+        self.assertEqual(done.returncode, 2)
         self.assertIn("--min-visible", done.stderr)
+
+    def test_numbers_that_are_none_are_refused(self):
+        for arguments in (["--noise", "nan"], ["--noise", "inf"], ["--tilt-deg", "nan"],
+                          ["--velocity", "nan", 0, 0], ["--attitude-deg", "inf"],
+                          ["--x-m", "nan", 1]):
+            done = opms("simulate", "bar", "--out", self.out, *arguments)
+            self.assertEqual(done.returncode, 2, (arguments, done.stderr))
+            self.assertFalse(self.out.exists(), arguments)
 
 
 if __name__ == "__main__":
