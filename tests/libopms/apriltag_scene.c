@@ -8,17 +8,14 @@
 #include <apriltag.h>
 #include <tag36h11.h>
 
-#include "truth_project.h"
+#include "print_render.h"
 
-#define SAMPLES 89 /* of a pixel's area: a Fibonacci lattice, along which no edge runs */
-#define LATTICE 55
 #define TAGS 33
 #define CELLS 8 /* of the black border */
 #define PITCH_M 0.030
 #define SQUARE_M 0.020
 #define HALF_WIDTH_M 0.015
 #define HALF_LENGTH_M 0.5
-#define BLUR_REACH 4
 
 typedef struct {
     const apriltag_scene_t *scene;
@@ -51,37 +48,9 @@ static void draw_tags(const apriltag_scene_t *scene, print_t *print)
     tag36h11_destroy(family);
 }
 
-/** Fixed-point iteration on the model's own equations. */
-static void ray_of_pixel(const opms_lens_t *lens, double u, double v, double ray[2])
+static double printed_level(const void *tags, const double bar_m[2])
 {
-    const double xd = (u - lens->cx_px) / lens->fx_px, yd = (v - lens->cy_px) / lens->fy_px;
-    double x = xd, y = yd;
-    for (int i = 0; i < 20; ++i) {
-        const double r2 = x * x + y * y;
-        const double radial = 1.0 + lens->k1 * r2 + lens->k2 * r2 * r2;
-        const double dx = 2.0 * lens->p1 * x * y + lens->p2 * (r2 + 2.0 * x * x);
-        const double dy = lens->p1 * (r2 + 2.0 * y * y) + 2.0 * lens->p2 * x * y;
-        x = (xd - dx) / radial;
-        y = (yd - dy) / radial;
-    }
-    ray[0] = x;
-    ray[1] = y;
-}
-
-/** Where the ray of a pixel meets the bar plane; far away where it does not. */
-static void bar_point(const apriltag_scene_t *scene, double u, double v, double bar_m[2])
-{
-    double ray[3] = {0.0, 0.0, 1.0}, far_m[3];
-    ray_of_pixel(&scene->lens, u, v, ray);
-    truth_apply(&scene->bar_camera, ray, far_m);
-    const double *t = scene->bar_camera.t_m;
-    const double s = t[2] / (t[2] - far_m[2]);
-    bar_m[0] = s > 0.0 ? t[0] + s * (far_m[0] - t[0]) : 1e9;
-    bar_m[1] = s > 0.0 ? t[1] + s * (far_m[1] - t[1]) : 1e9;
-}
-
-static double printed_level(const print_t *print, const double bar_m[2])
-{
+    const print_t *print = tags;
     const apriltag_scene_t *scene = print->scene;
     if (fabs(bar_m[0]) > HALF_WIDTH_M || fabs(bar_m[1]) > HALF_LENGTH_M) {
         return scene->ground;
@@ -96,70 +65,25 @@ static double printed_level(const print_t *print, const double bar_m[2])
     return inside && print->black[k][row][column] ? scene->black : scene->white;
 }
 
-static double pixel_level(const print_t *print, int u, int v)
-{
-    double centre_m[2], right_m[2], down_m[2], sum = 0.0;
-    bar_point(print->scene, u, v, centre_m);
-    if (fabs(centre_m[0]) > 1.3 * HALF_WIDTH_M || fabs(centre_m[1]) > 1.1 * HALF_LENGTH_M) {
-        return print->scene->ground;
-    }
-    bar_point(print->scene, u + 1, v, right_m);
-    bar_point(print->scene, u, v + 1, down_m);
-    for (int i = 0; i < SAMPLES; ++i) {
-        const double du = (i + 0.5) / SAMPLES - 0.5;
-        const double dv = (i * LATTICE % SAMPLES + 0.5) / SAMPLES - 0.5;
-        double bar_m[2];
-        for (int k = 0; k < 2; ++k) {
-            bar_m[k] = centre_m[k] + du * (right_m[k] - centre_m[k]) +
-                       dv * (down_m[k] - centre_m[k]);
-        }
-        sum += printed_level(print, bar_m);
-    }
-    return sum / SAMPLES;
-}
-
-/** Gaussian blur of `count` levels that lie `step` apart; beyond the ends as at the ends. */
-static void blur_line(float *levels, int count, int step, double sigma, float *line)
-{
-    double weights[2 * BLUR_REACH + 1], total = 0.0;
-    for (int i = -BLUR_REACH; i <= BLUR_REACH; ++i) {
-        weights[i + BLUR_REACH] = exp(-0.5 * i * i / (sigma * sigma));
-        total += weights[i + BLUR_REACH];
-    }
-    for (int k = 0; k < count; ++k) {
-        line[k] = levels[k * step];
-    }
-    for (int k = 0; k < count; ++k) {
-        double sum = 0.0;
-        for (int i = -BLUR_REACH; i <= BLUR_REACH; ++i) {
-            const int at = k + i < 0 ? 0 : k + i >= count ? count - 1 : k + i;
-            sum += weights[i + BLUR_REACH] * line[at];
-        }
-        levels[k * step] = (float)(sum / total);
-    }
-}
-
 void apriltag_render(const apriltag_scene_t *scene, uint8_t *pixels)
 {
-    const int width = scene->lens.width_px, height = scene->lens.height_px;
+    const size_t count = (size_t)scene->lens.width_px * (size_t)scene->lens.height_px;
     print_t print;
     draw_tags(scene, &print);
-    float *levels = malloc(sizeof *levels * (size_t)width * (size_t)height);
-    float *line = malloc(sizeof *line * (size_t)(width > height ? width : height));
-    for (int i = 0; i < width * height; ++i) {
-        levels[i] = (float)pixel_level(&print, i % width, i / width);
+    const print_picture_t picture = {scene->lens,
+                                     scene->bar_camera,
+                                     printed_level,
+                                     &print,
+                                     {1.3 * HALF_WIDTH_M, 1.1 * HALF_LENGTH_M},
+                                     scene->ground,
+                                     scene->blur_px,
+                                     scene->noise,
+                                     scene->seed,
+                                     255.0};
+    uint16_t *levels = malloc(count * sizeof *levels);
+    print_render(&picture, levels);
+    for (size_t i = 0; i < count; ++i) {
+        pixels[i] = (uint8_t)levels[i];
     }
-    for (int v = 0; v < height; ++v) {
-        blur_line(levels + v * width, width, 1, scene->blur_px, line);
-    }
-    for (int u = 0; u < width; ++u) {
-        blur_line(levels + u, height, width, scene->blur_px, line);
-    }
-    uint64_t random = scene->seed;
-    for (int i = 0; i < width * height; ++i) {
-        const double level = floor(levels[i] + scene->noise * truth_gauss(&random) + 0.5);
-        pixels[i] = (uint8_t)(level < 0.0 ? 0.0 : level > 255.0 ? 255.0 : level);
-    }
-    free(line);
     free(levels);
 }

@@ -5,6 +5,7 @@ if(NOT TARGET opms::apriltag)
 endif()
 opms_add_unity_test(test_apriltag
     ${CMAKE_CURRENT_LIST_DIR}/apriltag_scene.c
+    ${CMAKE_CURRENT_LIST_DIR}/print_render.c
     ${CMAKE_CURRENT_LIST_DIR}/test_apriltag.c
     LIBS opms::apriltag opms_internal)
 # The library's own sort of libapriltag (package file or pkg-config), with its headers.
