@@ -18,6 +18,9 @@
 
 #define BLUR_START_PX 0.85
 #define SHORTEST_RUN_PX 4
+#define WORK_OF_RUN 12    /* in pixel reads, as all that follow */
+#define WORK_OF_SEED 3000
+#define WORK_OF_ROW 60000
 
 /** Least contrast that a search asks for: a part of the grey range that a few lines see. */
 static int grey_range(opms_bar_detector_t *d)
@@ -47,9 +50,11 @@ static int was_rejected(const opms_bar_detector_t *d, float x, float y)
 
 static void reject(opms_bar_detector_t *d, point_t centre, float radius)
 {
+    const rejected_t r = {centre.x, centre.y, radius};
     if (d->rejected_count < REJECTED_MAX) {
-        const rejected_t r = {centre.x, centre.y, radius};
         d->rejected[d->rejected_count++] = r;
+    } else {
+        d->rejected[d->rejected_next++ % REJECTED_MAX] = r;
     }
 }
 
@@ -141,6 +146,7 @@ static label_verdict_t label_row(opms_bar_detector_t *d, const quad_t *seed, flo
             chain->count < 3) {
             return LABELS_NOT_A_BAR;
         }
+        d->work_left -= WORK_OF_ROW;
         verdict = labels_decide(&d->view, chain, map, &d->local_lens, d->ray_limit, labels);
         if (verdict == LABELS_CERTAIN || grown < most[i]) {
             break;
@@ -190,25 +196,29 @@ static int search_line(opms_bar_detector_t *d, const search_line_t *line, int co
         return 0;
     }
     line_load(&d->view, line, d->line);
+    d->work_left -= line->upright ? 3L * count : count;
     const int longest = (int)d->limits.longest_contour / 4;
     int cursor = 0;
     dark_run_t run;
-    while (line_next_run(d->line, count, contrast, SHORTEST_RUN_PX, longest, &cursor, &run)) {
+    while (d->work_left > 0 &&
+           line_next_run(d->line, count, contrast, SHORTEST_RUN_PX, longest, &cursor, &run)) {
         const int middle = line->from + run.middle;
         const float x = (float)(line->upright ? line->at : middle);
         const float y = (float)(line->upright ? middle : line->at);
-        if (d->traces_left <= 0 || was_rejected(d, x, y)) {
+        d->work_left -= WORK_OF_RUN + 4L * run.length;
+        if (was_rejected(d, x, y)) {
             continue;
         }
         const int across = plausible(&d->view, line, &run, longest);
         if (!across) {
             continue;
         }
-        --d->traces_left;
+        d->work_left -= 8L * (run.length + across);
         quad_t seed;
         if (!find_seed(d, line, &run, across, &seed)) {
             continue;
         }
+        d->work_left -= WORK_OF_SEED;
         const opms_bar_state_t state = try_seed(d, &seed, (float)contrast, roi, summary);
         if (state == OPMS_BAR_LOCATED) {
             return 1;
@@ -230,7 +240,7 @@ static int search_picture(opms_bar_detector_t *d, int contrast, const opms_roi_t
     search_plan_t plan;
     search_plan_init(&plan, d->view.width, d->view.height, d->options.min_square_px);
     search_line_t line;
-    while (search_plan_next(&plan, &line)) {
+    while (d->work_left > 0 && search_plan_next(&plan, &line)) {
         if (search_line(d, &line, contrast, roi, summary)) {
             return 1;
         }

@@ -11,6 +11,7 @@
 #include "base/fail.h"
 
 #define STAGE "bar"
+#define WORK_LEAST 4000000L
 
 void opms_bar_options_init(opms_bar_options_t *options)
 {
@@ -170,7 +171,8 @@ static void begin(opms_bar_detector_t *d, const opms_image_t *image, const opms_
     const int longer = d->view.width > d->view.height ? d->view.width : d->view.height;
     d->limits.longest_contour = longer < QUAD_POINTS_MAX ? longer : QUAD_POINTS_MAX;
     d->limits.shortest_side = 5.f;
-    d->traces_left = 4000 + (long)d->view.width * d->view.height / 400;
+    /* Bounds the time of pictures that are full of what might be a square. */
+    d->work_left = WORK_LEAST + (long)d->view.width * d->view.height / 5;
     d->rejected_count = 0;
     d->settled = 0;
     d->square_count = d->edge_count = 0;

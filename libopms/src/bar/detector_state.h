@@ -25,9 +25,10 @@ struct opms_bar_detector {
     opms_lens_t local_lens; /* with the region's corner as the origin */
     view_t view;
     quad_limits_t limits;
-    long traces_left;
+    long work_left; /* about a pixel read each; the search ends when none is left */
     int settled; /* the bar is found and cannot be measured: no use to search on */
     int rejected_count;
+    unsigned rejected_next; /* the one to be forgotten when there is no more room */
     rejected_t rejected[REJECTED_MAX];
     /* Results. */
     uint32_t square_count, edge_count;
