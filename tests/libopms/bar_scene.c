@@ -8,7 +8,7 @@
 #include "print_render.h"
 #include "truth_scene.h"
 
-#define SQUARES 33
+#define SQUARES BAR_SCENE_SQUARES
 #define PITCH_M 0.030
 #define HALF_SQUARE_M 0.010
 #define HALF_WIDTH_M 0.015
@@ -16,9 +16,9 @@
 #define CELL_X_M 0.0045
 #define CELL_Y_M 0.005
 
-static const int codes[SQUARES] = {57, 8,  46, 36, 61, 19, 56, 62, 50, 1,  35,
-                                   28, 38, 10, 37, 58, 2,  6,  13, 54, 23, 22,
-                                   53, 24, 33, 47, 55, 44, 14, 3,  17, 49, 5};
+static const int bar_codes_printed[SQUARES] = {57, 8,  46, 36, 61, 19, 56, 62, 50, 1,  35,
+                                               28, 38, 10, 37, 58, 2,  6,  13, 54, 23, 22,
+                                               53, 24, 33, 47, 55, 44, 14, 3,  17, 49, 5};
 
 opms_transform_t bar_scene_detector(void)
 {
@@ -39,6 +39,7 @@ bar_scene_t bar_scene(void)
     scene.lens.cx_px -= 192.0;
     scene.lens.cy_px -= 144.0;
     scene.bar_camera = truth_bar_camera(&detector, &mounting, 0.0);
+    memcpy(scene.codes, bar_codes_printed, sizeof scene.codes);
     scene.shown_m[0] = -1.0;
     scene.shown_m[1] = 1.0;
     scene.hidden_m[0] = 2.0;
@@ -90,7 +91,7 @@ int bar_scene_sees(const bar_scene_t *scene, int square, double margin_px)
 }
 
 /** Is there a black cell at (x, y) from the centre of square k? */
-static int in_cell(int k, double x, double y)
+static int in_cell(const int codes[SQUARES], int k, double x, double y)
 {
     if (k < 0 || k >= SQUARES || fabs(fabs(y) - 0.015) > 0.5 * CELL_Y_M ||
         fabs(x) > 3.0 * CELL_X_M) {
@@ -115,9 +116,10 @@ static double printed_level(const void *of_scene, const double bar_m[2])
     if (fabs(x) < HALF_SQUARE_M && fabs(from_k) < HALF_SQUARE_M) {
         return scene->black;
     }
-    const int cell = in_cell(k, x, from_k) || in_cell(k - 1, x, from_k + PITCH_M) ||
-                     in_cell(k + 1, x, from_k - PITCH_M);
-    return cell && !scene->no_code ? scene->black : scene->white;
+    const int cell = in_cell(scene->codes, k, x, from_k) ||
+                     in_cell(scene->codes, k - 1, x, from_k + PITCH_M) ||
+                     in_cell(scene->codes, k + 1, x, from_k - PITCH_M);
+    return cell ? scene->black : scene->white;
 }
 
 void bar_render16(const bar_scene_t *scene, uint16_t *pixels)

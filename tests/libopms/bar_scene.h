@@ -10,13 +10,14 @@
 #define BAR_SCENE_WIDTH 640
 #define BAR_SCENE_HEIGHT 480
 #define BAR_SCENE_PIXELS (BAR_SCENE_WIDTH * BAR_SCENE_HEIGHT)
+#define BAR_SCENE_SQUARES 33
 
 typedef struct bar_scene {
     opms_lens_t lens;
     opms_transform_t bar_camera;
     double shown_m[2];  /**< range of Y of the bar that is not covered by ground */
     double hidden_m[2]; /**< range of Y that is covered */
-    int no_code;        /**< squares without cells */
+    int codes[BAR_SCENE_SQUARES]; /**< bit 5 the most significant, 1 = black cell */
     double black, white, ground; /**< grey levels */
     double blur_px;     /**< Gaussian, without the pixel's own area */
     double noise;       /**< standard deviation */
