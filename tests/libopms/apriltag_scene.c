@@ -28,7 +28,16 @@ apriltag_scene_t apriltag_scene(void)
     const apriltag_scene_t scene = {
         {1024, 768, 900.0, 900.0, 517.3, 379.6, -0.118, 0.031, 0.0011, -0.0007},
         {{-c, 0.0, -s, 0.0, 1.0, 0.0, s, 0.0, -c}, {0.15, 0.02, 0.48}},
-        0, TAGS - 1, -1, 0, 40.0, 190.0, 110.0, 0.7, 2.0, 1};
+        0,
+        TAGS - 1,
+        -1,
+        0,
+        40.0,
+        190.0,
+        110.0,
+        0.7,
+        2.0,
+        1};
     return scene;
 }
 
@@ -58,8 +67,7 @@ static double printed_level(const void *tags, const double bar_m[2])
     const int k = (int)floor(bar_m[1] / PITCH_M + 0.5) + TAGS / 2;
     const double cell_m = SQUARE_M / CELLS;
     const int row = (int)floor((bar_m[0] + SQUARE_M / 2) / cell_m);
-    const int column =
-        (int)floor((bar_m[1] - (k - TAGS / 2) * PITCH_M + SQUARE_M / 2) / cell_m);
+    const int column = (int)floor((bar_m[1] - (k - TAGS / 2) * PITCH_M + SQUARE_M / 2) / cell_m);
     const int inside = row >= 0 && row < CELLS && column >= 0 && column < CELLS &&
                        k >= scene->first && k <= scene->last;
     return inside && print->black[k][row][column] ? scene->black : scene->white;

@@ -15,14 +15,14 @@
 typedef struct bar_scene {
     opms_lens_t lens;
     opms_transform_t bar_camera;
-    double shown_m[2];  /**< range of Y of the bar that is not covered by ground */
-    double hidden_m[2]; /**< range of Y that is covered */
+    double shown_m[2];            /**< range of Y of the bar that is not covered by ground */
+    double hidden_m[2];           /**< range of Y that is covered */
     int codes[BAR_SCENE_SQUARES]; /**< bit 5 the most significant, 1 = black cell */
-    double black, white, ground; /**< grey levels */
-    double blur_px;     /**< Gaussian, without the pixel's own area */
-    double noise;       /**< standard deviation */
+    double black, white, ground;  /**< grey levels */
+    double blur_px;               /**< Gaussian, without the pixel's own area */
+    double noise;                 /**< standard deviation */
     uint64_t seed;
-    double top;         /**< grey level at saturation */
+    double top; /**< grey level at saturation */
 } bar_scene_t;
 
 /** The whole bar, 40 to 190 grey levels, blur 0.7 px, noise 2, seen by the middle part of the HOPE

@@ -18,7 +18,7 @@ typedef struct print_picture {
     double blur_px;    /**< Gaussian, without the pixel's own area */
     double noise;      /**< standard deviation */
     uint64_t seed;
-    double top;        /**< largest grey level; whatever is lighter is saturated */
+    double top; /**< largest grey level; whatever is lighter is saturated */
 } print_picture_t;
 
 /** Draw a picture into rows of the lens's width without a gap. */

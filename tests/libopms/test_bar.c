@@ -22,7 +22,7 @@ static opms_bar_summary_t summary;
 void setUp(void)
 {
     scene = bar_scene();
-    image = (opms_image_t){picture,         BAR_SCENE_WIDTH,    BAR_SCENE_HEIGHT,
+    image = (opms_image_t){picture,         BAR_SCENE_WIDTH,  BAR_SCENE_HEIGHT,
                            BAR_SCENE_WIDTH, OPMS_PIXEL_GREY8, 0};
     TEST_ASSERT_EQUAL(OPMS_OK, opms_bar_detector_create(&scene.lens, NULL, &detector, NULL));
 }
@@ -177,7 +177,8 @@ static void normals_point_out_of_the_square(void)
             middle[1] += 0.25 * px[1];
         }
         TEST_ASSERT_TRUE((edges[k].px[0] - middle[0]) * edges[k].normal[0] +
-                             (edges[k].px[1] - middle[1]) * edges[k].normal[1] > 0.0);
+                             (edges[k].px[1] - middle[1]) * edges[k].normal[1] >
+                         0.0);
     }
 }
 
@@ -243,16 +244,17 @@ static void twelve_bits_and_a_stride_give_the_same(void)
     for (size_t i = 0; i < BAR_SCENE_PIXELS; ++i) {
         deep[i / BAR_SCENE_WIDTH * stride_px + i % BAR_SCENE_WIDTH] = (uint16_t)(16 * picture[i]);
     }
-    image = (opms_image_t){deep, BAR_SCENE_WIDTH, BAR_SCENE_HEIGHT, (ptrdiff_t)(2 * stride_px),
-                           OPMS_PIXEL_GREY16, 4095};
+    image = (opms_image_t){
+        deep, BAR_SCENE_WIDTH, BAR_SCENE_HEIGHT, (ptrdiff_t)(2 * stride_px), OPMS_PIXEL_GREY16,
+        4095};
 
     detect_in(NULL, NULL);
 
     free(deep);
     assert_located(0, 32);
     const opms_pose_result_t second = solve();
-    TEST_ASSERT_DOUBLE_WITHIN(5e-6, 0.0, distance_m(first.bar_camera.transform.t_m,
-                                                    second.bar_camera.transform.t_m));
+    TEST_ASSERT_DOUBLE_WITHIN(
+        5e-6, 0.0, distance_m(first.bar_camera.transform.t_m, second.bar_camera.transform.t_m));
 }
 
 static void a_picture_of_twelve_bits_is_located(void)
@@ -264,8 +266,8 @@ static void a_picture_of_twelve_bits_is_located(void)
     scene.noise = 25.0;
     scene.top = 4095.0;
     bar_render16(&scene, deep);
-    image = (opms_image_t){deep, BAR_SCENE_WIDTH, BAR_SCENE_HEIGHT, 2 * BAR_SCENE_WIDTH,
-                           OPMS_PIXEL_GREY16, 4095};
+    image = (opms_image_t){
+        deep, BAR_SCENE_WIDTH, BAR_SCENE_HEIGHT, 2 * BAR_SCENE_WIDTH, OPMS_PIXEL_GREY16, 4095};
 
     detect_in(NULL, NULL);
 
@@ -279,8 +281,8 @@ static void a_region_is_searched_and_nothing_else(void)
     double from[2], to[2];
     bar_scene_corner(&scene, 13, 1, from); /* image right is ahead, -X */
     bar_scene_corner(&scene, 19, 3, to);
-    opms_roi_t roi = {(int32_t)from[0] - 40, (int32_t)from[1] - 20,
-                      (int32_t)(to[0] - from[0]) + 80, (int32_t)(to[1] - from[1]) + 40};
+    opms_roi_t roi = {(int32_t)from[0] - 40, (int32_t)from[1] - 20, (int32_t)(to[0] - from[0]) + 80,
+                      (int32_t)(to[1] - from[1]) + 40};
     bar_render8(&scene, picture);
 
     detect_in(&roi, NULL);

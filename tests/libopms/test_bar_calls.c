@@ -108,8 +108,8 @@ static void wrong_pictures_of_sixteen_bits_are_refused_by_name(void)
 
 static void wrong_regions_are_refused_by_name(void)
 {
-    const opms_roi_t bad[] = {{-1, 0, 10, 10},     {0, -1, 10, 10},        {0, 0, -5, 10},
-                              {0, 0, 10, -5},      {WIDTH, 0, 1, 1},       {0, HEIGHT, 1, 1},
+    const opms_roi_t bad[] = {{-1, 0, 10, 10},      {0, -1, 10, 10},        {0, 0, -5, 10},
+                              {0, 0, 10, -5},       {WIDTH, 0, 1, 1},       {0, HEIGHT, 1, 1},
                               {0, 0, WIDTH + 1, 1}, {600, 0, INT32_MAX, 5}, {INT32_MAX, 0, 2, 2}};
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; ++i) {
         assert_refused(&image, &bad[i], NULL, "roi");

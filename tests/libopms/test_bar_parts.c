@@ -46,8 +46,8 @@ static int window_distance(int a, int b, int count, int turn)
     for (int i = 0; i < count; ++i) {
         const int other = bar_codes[turn ? b + count - 1 - i : b + i];
         for (int bit = 0; bit < BAR_CELLS; ++bit) {
-            distance += (bar_codes[a + i] >> bit & 1) !=
-                        (other >> (turn ? BAR_CELLS - 1 - bit : bit) & 1);
+            distance +=
+                (bar_codes[a + i] >> bit & 1) != (other >> (turn ? BAR_CELLS - 1 - bit : bit) & 1);
         }
     }
     return distance;
@@ -136,8 +136,8 @@ static plane_map_t true_map(const bar_scene_t *scene, int first, int turn)
                                  1e-3 * ((turn ? -y_mm : y_mm) + 30.0 * (first - 16)), 0.0};
         double camera_m[3];
         truth_apply_inverse(&scene->bar_camera, bar_m, camera_m);
-        pairs[i] = (plane_pair_t){
-            x_mm, y_mm, {camera_m[0] / camera_m[2], camera_m[1] / camera_m[2]}};
+        pairs[i] =
+            (plane_pair_t){x_mm, y_mm, {camera_m[0] / camera_m[2], camera_m[1] / camera_m[2]}};
     }
     TEST_ASSERT_TRUE(plane_map_fit(&map, pairs, 20));
     return map;
@@ -152,15 +152,13 @@ static void a_fitted_map_projects_as_the_camera_does(void)
         const double x_mm = corner == 0 || corner == 3 ? -10.0 : 10.0;
         const double y_mm = 60.0 + (corner < 2 ? -10.0 : 10.0); /* square 16 */
         bar_scene_corner(&scene, 16, corner, truth);
-        TEST_ASSERT_TRUE(
-            plane_map_project(&map, &scene.lens, RAY_LIMIT, x_mm, y_mm, px, jac));
+        TEST_ASSERT_TRUE(plane_map_project(&map, &scene.lens, RAY_LIMIT, x_mm, y_mm, px, jac));
         for (int axis = 0; axis < 2; ++axis) {
             TEST_ASSERT_DOUBLE_WITHIN(1e-6, truth[axis], px[axis]);
             plane_map_project(&map, &scene.lens, RAY_LIMIT, x_mm + 1e-4, y_mm, stepped, NULL);
             TEST_ASSERT_DOUBLE_WITHIN(1e-4, (stepped[axis] - px[axis]) / 1e-4, jac[2 * axis]);
             plane_map_project(&map, &scene.lens, RAY_LIMIT, x_mm, y_mm + 1e-4, stepped, NULL);
-            TEST_ASSERT_DOUBLE_WITHIN(1e-4, (stepped[axis] - px[axis]) / 1e-4,
-                                      jac[2 * axis + 1]);
+            TEST_ASSERT_DOUBLE_WITHIN(1e-4, (stepped[axis] - px[axis]) / 1e-4, jac[2 * axis + 1]);
         }
     }
 }
@@ -202,8 +200,8 @@ static void a_relabelled_map_is_the_same_map(void)
 static void too_few_points_make_no_map(void)
 {
     plane_map_t map;
-    const plane_pair_t pairs[4] = {{-10, 0, {0, 0}}, {10, 0, {1, 0}}, {-5, 0, {2, 0}},
-                                   {5, 0, {3, 0}}};
+    const plane_pair_t pairs[4] = {
+        {-10, 0, {0, 0}}, {10, 0, {1, 0}}, {-5, 0, {2, 0}}, {5, 0, {3, 0}}};
     TEST_ASSERT_FALSE(plane_map_fit(&map, pairs, 3));
     TEST_ASSERT_FALSE(plane_map_fit(&map, pairs, 4)); /* all on one line */
 }

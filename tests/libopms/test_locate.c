@@ -27,7 +27,7 @@ static void renew_locator(const opms_locator_options_t *options)
 void setUp(void)
 {
     scene = bar_scene();
-    image = (opms_image_t){picture,         BAR_SCENE_WIDTH,    BAR_SCENE_HEIGHT,
+    image = (opms_image_t){picture,         BAR_SCENE_WIDTH,  BAR_SCENE_HEIGHT,
                            BAR_SCENE_WIDTH, OPMS_PIXEL_GREY8, 0};
     memset(&camera, 0, sizeof camera);
     camera.lens = scene.lens;
@@ -46,8 +46,7 @@ static void render_and_locate(void)
 {
     opms_error_t err = {OPMS_OK, 0, "", ""};
     bar_render8(&scene, picture);
-    const opms_status_t status =
-        opms_locator_locate(locator, &image, NULL, NULL, &location, &err);
+    const opms_status_t status = opms_locator_locate(locator, &image, NULL, NULL, &location, &err);
     TEST_ASSERT_EQUAL_MESSAGE(OPMS_OK, status, err.message);
 }
 
@@ -115,8 +114,8 @@ static void each_edge_has_its_residual(void)
         truth_project(&scene.lens, &location.pose.bar_camera.transform, bar_m, px);
         const double off_px = (edges[k].px[0] - px[0]) * edges[k].normal[0] +
                               (edges[k].px[1] - px[1]) * edges[k].normal[1];
-        TEST_ASSERT_DOUBLE_WITHIN(
-            1e-3, off_px - edges[k].shift_gain * location.pose.edge_shift_px, residuals[k]);
+        TEST_ASSERT_DOUBLE_WITHIN(1e-3, off_px - edges[k].shift_gain * location.pose.edge_shift_px,
+                                  residuals[k]);
     }
     uint32_t squares;
     TEST_ASSERT_NOT_NULL(opms_locator_squares(locator, &squares));
@@ -171,8 +170,7 @@ static void a_picture_without_a_bar_has_no_residuals(void)
 {
     render_and_locate();
     memset(picture, 90, sizeof picture);
-    TEST_ASSERT_EQUAL(OPMS_OK,
-                      opms_locator_locate(locator, &image, NULL, NULL, &location, NULL));
+    TEST_ASSERT_EQUAL(OPMS_OK, opms_locator_locate(locator, &image, NULL, NULL, &location, NULL));
     uint32_t count = 1;
     opms_locator_edges(locator, &count);
     TEST_ASSERT_EQUAL(OPMS_BAR_ABSENT, location.state);
@@ -212,12 +210,10 @@ static void the_last_pose_is_a_hint_that_is_followed(void)
     render_and_locate();
     const opms_transform_t last = location.pose.bar_camera.transform;
     TEST_ASSERT_EQUAL_UINT32(0, location.followed);
-    TEST_ASSERT_EQUAL(OPMS_OK,
-                      opms_locator_locate(locator, &image, NULL, &last, &location, NULL));
+    TEST_ASSERT_EQUAL(OPMS_OK, opms_locator_locate(locator, &image, NULL, &last, &location, NULL));
     TEST_ASSERT_EQUAL_UINT32(1, location.followed);
     for (int i = 0; i < 3; ++i) {
-        TEST_ASSERT_DOUBLE_WITHIN(2e-5, last.t_m[i],
-                                  location.pose.bar_camera.transform.t_m[i]);
+        TEST_ASSERT_DOUBLE_WITHIN(2e-5, last.t_m[i], location.pose.bar_camera.transform.t_m[i]);
     }
 }
 
@@ -262,8 +258,7 @@ static void all_memory_is_taken_at_creation(void)
     for (int i = 1; i <= calls; ++i) {
         opms_error_t err = {OPMS_OK, 0, "", ""};
         count = (count_t){0, 0, i};
-        TEST_ASSERT_EQUAL(OPMS_ERR_MEMORY,
-                          opms_locator_create(&camera, &options, &locator, &err));
+        TEST_ASSERT_EQUAL(OPMS_ERR_MEMORY, opms_locator_create(&camera, &options, &locator, &err));
         TEST_ASSERT_EQUAL(OPMS_ERR_MEMORY, err.code);
         TEST_ASSERT_NULL(locator);
         TEST_ASSERT_EQUAL_INT(0, count.live);
@@ -320,8 +315,7 @@ static void wrong_arguments_are_refused_by_name(void)
     static opms_edge_t edges[OPMS_BAR_EDGES_MAX];
     opms_error_t err = {OPMS_OK, 0, "", ""};
     bar_render8(&scene, picture);
-    TEST_ASSERT_EQUAL(OPMS_ERR_ARG,
-                      opms_locator_locate(NULL, &image, NULL, NULL, &location, &err));
+    TEST_ASSERT_EQUAL(OPMS_ERR_ARG, opms_locator_locate(NULL, &image, NULL, NULL, &location, &err));
     TEST_ASSERT_NOT_NULL(strstr(err.message, "locator"));
     TEST_ASSERT_EQUAL(OPMS_ERR_ARG, opms_locator_locate(locator, &image, NULL, NULL, NULL, &err));
     TEST_ASSERT_NOT_NULL(strstr(err.message, "location"));
@@ -330,8 +324,7 @@ static void wrong_arguments_are_refused_by_name(void)
     TEST_ASSERT_NOT_NULL(strstr(err.message, "image"));
     assert_not_solved(NULL, 3, -1, "edges");
     assert_not_solved(edges, OPMS_BAR_EDGES_MAX + 1, -1, "count");
-    const uint32_t count =
-        truth_edges(&scene.lens, &scene.bar_camera, 12, 20, 2, edges);
+    const uint32_t count = truth_edges(&scene.lens, &scene.bar_camera, 12, 20, 2, edges);
     edges[5].square = 33;
     assert_not_solved(edges, count, 5, "square");
     edges[5].square = 14;
