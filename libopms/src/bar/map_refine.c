@@ -326,14 +326,19 @@ static float group_excess(const bar_fit_t *fit, int squares)
             }
         }
     }
-    return groups > UNKNOWNS ? total / (float)(groups - UNKNOWNS) : 1.f;
+    if (groups <= UNKNOWNS) {
+        return 1.f;
+    }
+    /* Less two standard deviations of what chance does to independent errors. */
+    const float freedom = (float)(groups - UNKNOWNS);
+    return total / freedom - 2.f * sqrtf(2.f / freedom);
 }
 
 /** State larger standard deviations where errors run alike along a side or along the bar, as shade
  * and grass make them: what is averaged does then not grow more certain by as much. */
 static void state_correlation(bar_fit_t *fit)
 {
-    const float along_side = group_excess(fit, 1) / 1.1f, along_bar = group_excess(fit, 4) / 1.3f;
+    const float along_side = group_excess(fit, 1), along_bar = group_excess(fit, 4);
     const float excess = fmaxf(1.f, fmaxf(along_side, along_bar));
     for (int i = 0; i < fit->count; ++i) {
         fit->sigma[i] *= sqrtf(excess);
