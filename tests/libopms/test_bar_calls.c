@@ -10,6 +10,7 @@
 #include <opms/bar.h>
 
 #include "bar_scene.h"
+#include "counting_allocator.h"
 
 #define WIDTH BAR_SCENE_WIDTH
 #define HEIGHT BAR_SCENE_HEIGHT
@@ -31,28 +32,6 @@ void tearDown(void)
 {
     opms_bar_detector_destroy(detector);
     detector = NULL;
-}
-
-typedef struct {
-    int calls, live, fail_at;
-} count_t;
-
-static void *counting_alloc(void *user, size_t size)
-{
-    count_t *count = user;
-    if (++count->calls == count->fail_at) {
-        return NULL;
-    }
-    ++count->live;
-    return malloc(size);
-}
-
-static void counting_free(void *user, void *memory)
-{
-    count_t *count = user;
-    TEST_ASSERT_NOT_NULL(memory);
-    --count->live;
-    free(memory);
 }
 
 static void assert_refused(const opms_image_t *bad, const opms_roi_t *roi,

@@ -8,6 +8,7 @@
 #include <opms/locate.h>
 
 #include "bar_scene.h"
+#include "counting_allocator.h"
 #include "truth_scene.h"
 
 static uint8_t picture[BAR_SCENE_PIXELS];
@@ -215,28 +216,6 @@ static void the_last_pose_is_a_hint_that_is_followed(void)
     for (int i = 0; i < 3; ++i) {
         TEST_ASSERT_DOUBLE_WITHIN(2e-5, last.t_m[i], location.pose.bar_camera.transform.t_m[i]);
     }
-}
-
-typedef struct {
-    int calls, live, fail_at;
-} count_t;
-
-static void *counting_alloc(void *user, size_t size)
-{
-    count_t *count = user;
-    if (++count->calls == count->fail_at) {
-        return NULL;
-    }
-    ++count->live;
-    return malloc(size);
-}
-
-static void counting_free(void *user, void *memory)
-{
-    count_t *count = user;
-    TEST_ASSERT_NOT_NULL(memory);
-    --count->live;
-    free(memory);
 }
 
 static void all_memory_is_taken_at_creation(void)

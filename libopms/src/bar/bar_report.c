@@ -4,6 +4,7 @@
 #include <math.h>
 
 #include "bar/bar_code.h"
+#include "bar/picture_shape.h"
 
 static void write_edges(opms_bar_detector_t *d, const opms_roi_t *roi)
 {
@@ -65,13 +66,6 @@ static void write_squares(opms_bar_detector_t *d, const edge_scene_t *scene, con
 static void summarise(const opms_bar_detector_t *d, const edge_scene_t *scene, double margin,
                       opms_bar_summary_t *summary)
 {
-    double pixels = 0, saturated = 0;
-    for (int i = 0; i < d->fit.count; ++i) {
-        if (d->fit.good[i]) {
-            pixels += d->fit.stretch[i].pixels;
-            saturated += d->fit.stretch[i].saturated;
-        }
-    }
     summary->state = OPMS_BAR_LOCATED;
     summary->square_count = d->square_count;
     summary->edge_count = d->edge_count;
@@ -80,7 +74,8 @@ static void summarise(const opms_bar_detector_t *d, const edge_scene_t *scene, d
     summary->blur_px[1] = scene->blur_px[1];
     summary->noise = (double)d->fit.noise;
     summary->contrast = (double)d->fit.contrast;
-    summary->white_fraction_saturated = pixels > 0 ? fmin(1, 2 * saturated / pixels) : 0;
+    /* About half of the pixels next to the sides are white. */
+    summary->white_fraction_saturated = fmin(1, 2 * shape_saturated_part(&d->fit));
 }
 
 void bar_report(opms_bar_detector_t *d, const edge_scene_t *scene, const opms_roi_t *roi,

@@ -345,13 +345,13 @@ static void state_correlation(bar_fit_t *fit)
     }
 }
 
-/** One pass over the given squares; 0 when too little agrees. Returns by how much the edges moved
- * and the blur changed, and the range that was confirmed. */
+/** By how much a pass moved the edges and changed the blur, and the range it confirmed. */
 typedef struct pass_result {
     float moved_px, blurred_px;
     int low, high;
 } pass_result_t;
 
+/** One pass over the given squares; 0 when too little agrees. */
 static int run_pass(edge_scene_t *scene, const int *index, int count, float contrast,
                     float reach_px, bar_fit_t *fit, pass_result_t *result)
 {

@@ -23,7 +23,7 @@ typedef struct bar_fit {
     float sigma[OPMS_BAR_EDGES_MAX];    /**< px */
     uint8_t good[OPMS_BAR_EDGES_MAX];
     float row[OPMS_BAR_EDGES_MAX][9];   /**< gradient of each offset by the map and the shift */
-    float contrast, noise, saturated;
+    float contrast, noise;
 } bar_fit_t;
 
 /** Refine the scene's map, shift and blur on all squares that can be seen.
