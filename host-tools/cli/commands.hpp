@@ -8,14 +8,17 @@ namespace CLI {
 class App;
 }
 
-/** What the program's exit codes mean; docs/locate.md tells users. */
+/** What the program's exit codes mean; docs/locate.md and docs/box.md tell users. */
 enum ExitCode {
     EXIT_CODE_OK = 0,
     EXIT_CODE_RESULT = 1, /**< a result failed the limit that was asked for */
     EXIT_CODE_USAGE = 2,
-    EXIT_CODE_INPUT = 4   /**< a file could not be read, or results not written */
+    EXIT_CODE_DEVICE = 3, /**< no such device, or it does not answer */
+    EXIT_CODE_INPUT = 4,  /**< a file could not be read, or results not written */
+    EXIT_CODE_LOST = 5    /**< pulses or frames were lost */
 };
 
+void add_cmd_box(CLI::App &app, int &exit_code);
 void add_cmd_locate(CLI::App &app, int &exit_code);
 void add_cmd_print(CLI::App &app, int &exit_code);
 void add_cmd_simulate(CLI::App &app, int &exit_code);
