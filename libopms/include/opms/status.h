@@ -24,7 +24,11 @@ typedef enum opms_status {
     OPMS_ERR_CAPACITY = -3, /**< A caller's buffer is too small; the needed size is reported. */
     OPMS_ERR_DOMAIN = -4, /**< No solution exists, e.g. a pixel that no ray of the lens reaches. */
     OPMS_ERR_CONVERGE = -5, /**< An iteration did not converge. */
-    OPMS_ERR_INTERNAL = -6  /**< A defect of the library; please report it. */
+    OPMS_ERR_INTERNAL = -6, /**< A defect of the library; please report it. */
+    OPMS_ERR_DEVICE = -8,   /**< No such device, several, gone, or no permission to open it. */
+    OPMS_ERR_TIMEOUT = -9,  /**< The device did not answer before the deadline. */
+    OPMS_ERR_VERSION = -10, /**< The device speaks another version of the protocol. */
+    OPMS_ERR_REFUSED = -11  /**< The device refused; the message says why. */
 } opms_status_t;
 
 /** Details of a failure; plain, caller-owned, valid as long as the caller keeps it. */

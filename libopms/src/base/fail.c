@@ -25,6 +25,10 @@ const char *opms_status_name(opms_status_t status)
     case OPMS_ERR_DOMAIN: return "OPMS_ERR_DOMAIN";
     case OPMS_ERR_CONVERGE: return "OPMS_ERR_CONVERGE";
     case OPMS_ERR_INTERNAL: return "OPMS_ERR_INTERNAL";
+    case OPMS_ERR_DEVICE: return "OPMS_ERR_DEVICE";
+    case OPMS_ERR_TIMEOUT: return "OPMS_ERR_TIMEOUT";
+    case OPMS_ERR_VERSION: return "OPMS_ERR_VERSION";
+    case OPMS_ERR_REFUSED: return "OPMS_ERR_REFUSED";
     }
     return "unknown status";
 }
