@@ -102,3 +102,100 @@ AT(opms_bar_options_t, allocator, 8);
 AT(opms_locator_options_t, struct_size, 0);
 AT(opms_locator_options_t, bar_tilt_rad, 8);
 AT(opms_locator_options_t, bar, 16);
+
+SIZE(opms_box_time_t, 16);
+AT(opms_box_time_t, cycles, 8);
+
+SIZE(opms_trigger_report_t, 88);
+AT(opms_trigger_report_t, boot_id, 4);
+AT(opms_trigger_report_t, session_id, 8);
+AT(opms_trigger_report_t, report_number, 12);
+AT(opms_trigger_report_t, trigger_number, 16);
+AT(opms_trigger_report_t, time, 24);
+AT(opms_trigger_report_t, start_edge, 40);
+AT(opms_trigger_report_t, first_run_number, 56);
+AT(opms_trigger_report_t, strobe_for_trigger, 60);
+AT(opms_trigger_report_t, strobe_delay_cycles, 64);
+AT(opms_trigger_report_t, strobe_length_cycles, 68);
+AT(opms_trigger_report_t, gap_us, 72);
+AT(opms_trigger_report_t, dropped, 80);
+
+SIZE(opms_pong_report_t, 48);
+AT(opms_pong_report_t, report_number, 4);
+AT(opms_pong_report_t, ping_id, 8);
+AT(opms_pong_report_t, received, 16);
+AT(opms_pong_report_t, sent, 32);
+
+SIZE(opms_status_report_t, 64);
+AT(opms_status_report_t, reset_cause, 4);
+AT(opms_status_report_t, boot_id, 8);
+AT(opms_status_report_t, session_id, 12);
+AT(opms_status_report_t, report_number, 16);
+AT(opms_status_report_t, uptime_us, 24);
+AT(opms_status_report_t, trigger_number, 32);
+AT(opms_status_report_t, first_run_number, 36);
+AT(opms_status_report_t, glitches, 40);
+AT(opms_status_report_t, starts_refused, 44);
+AT(opms_status_report_t, strobes_missing, 48);
+AT(opms_status_report_t, dropped, 52);
+AT(opms_status_report_t, commands_refused, 56);
+AT(opms_status_report_t, reenumerations, 60);
+AT(opms_status_report_t, settings_crc, 62);
+
+SIZE(opms_event_report_t, 48);
+AT(opms_event_report_t, state, 4);
+AT(opms_event_report_t, boot_id, 8);
+AT(opms_event_report_t, session_id, 12);
+AT(opms_event_report_t, report_number, 16);
+AT(opms_event_report_t, event_number, 20);
+AT(opms_event_report_t, time, 24);
+AT(opms_event_report_t, argument, 40);
+AT(opms_event_report_t, detail, 44);
+
+SIZE(opms_command_report_t, 8);
+AT(opms_command_report_t, argument, 4);
+
+SIZE(opms_identity_report_t, 56);
+AT(opms_identity_report_t, firmware_version, 2);
+AT(opms_identity_report_t, firmware_modified, 5);
+AT(opms_identity_report_t, capabilities, 6);
+AT(opms_identity_report_t, unique_id, 8);
+AT(opms_identity_report_t, git_hash, 16);
+AT(opms_identity_report_t, boot_id, 40);
+AT(opms_identity_report_t, clock_hz, 44);
+AT(opms_identity_report_t, start_cycles, 48);
+AT(opms_identity_report_t, ring_entries, 50);
+AT(opms_identity_report_t, history_entries, 52);
+
+SIZE(opms_settings_t, 40);
+AT(opms_settings_t, width_us, 4);
+AT(opms_settings_t, debounce_cycles, 8);
+AT(opms_settings_t, trig_active_low, 12);
+AT(opms_settings_t, start_falling_edge, 13);
+AT(opms_settings_t, strobe_enabled, 14);
+AT(opms_settings_t, strobe_active_low, 15);
+AT(opms_settings_t, sync, 16);
+AT(opms_settings_t, preamble_gap_ms, 20);
+AT(opms_settings_t, wait_timeout_s, 36);
+
+SIZE(opms_settings_report_t, 48);
+AT(opms_settings_report_t, last_set, 40);
+AT(opms_settings_report_t, pending, 44);
+AT(opms_settings_report_t, stored, 45);
+AT(opms_settings_report_t, settings_crc, 46);
+
+SIZE(opms_history_request_t, 16);
+AT(opms_history_request_t, session_id, 4);
+AT(opms_history_request_t, first_number, 8);
+AT(opms_history_request_t, count, 12);
+SIZE(opms_history_entry_t, 32);
+AT(opms_history_entry_t, flags, 4);
+AT(opms_history_entry_t, time, 8);
+AT(opms_history_entry_t, strobe_delay_cycles, 24);
+AT(opms_history_entry_t, strobe_length_cycles, 28);
+SIZE(opms_history_report_t, 88);
+AT(opms_history_report_t, boot_id, 4);
+AT(opms_history_report_t, session_id, 8);
+AT(opms_history_report_t, remaining, 12);
+AT(opms_history_report_t, count, 16);
+AT(opms_history_report_t, entries, 24);

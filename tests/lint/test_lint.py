@@ -56,6 +56,10 @@ class Includes(Tree):
     def test_a_kit_must_not_include_another(self):
         self.assert_refused("libopms/src/lens/x.c", '#include "bar/search.h"', "inside of bar")
 
+    def test_wire_must_stand_without_a_library(self):
+        for line in ("#include <string.h>", "#include <opms/pose.h>", '#include "base/fail.h"'):
+            self.assert_refused("libopms/src/wire/x.c", line, "freestanding")
+
     def test_the_library_must_not_use_another_library(self):
         self.assert_refused("libopms/src/bar/x.c", "#include <opencv2/core.hpp>", "nothing but")
 

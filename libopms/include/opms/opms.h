@@ -7,6 +7,7 @@
 #include <opms/version.h>
 #include <opms/status.h>
 #include <opms/types.h>
+#include <opms/wire.h>
 #include <opms/lens.h>
 #include <opms/bar.h>
 #include <opms/pose.h>

@@ -149,7 +149,7 @@ typedef struct opms_status_report {
 typedef enum opms_event_kind {
     OPMS_EVENT_ARMED = 1,           /**< argument: session id */
     OPMS_EVENT_WAITING = 2,         /**< ready for START; argument: pulses of the preamble */
-    OPMS_EVENT_START = 3,           /**< time: the edge; argument: number of the run's first pulse */
+    OPMS_EVENT_START = 3,           /**< time: the edge; argument: the run's first pulse */
     OPMS_EVENT_STOP = 4,            /**< argument: number of the last pulse */
     OPMS_EVENT_GLITCH = 5,          /**< time: its edge; argument: its length in cycles */
     OPMS_EVENT_START_REFUSED = 6,   /**< START in IDLE, ARMED or RUNNING; argument: the state */
@@ -317,6 +317,7 @@ OPMS_API void opms_wire_default_settings(opms_settings_t *settings);
 OPMS_API uint16_t opms_wire_settings_crc(const opms_settings_t *settings);
 
 /** Structs to bytes. The struct must hold values of their ranges; `bytes` holds OPMS_WIRE_SIZE.
+ * A gap that does not fit is written as 0; the settings' CRC is computed, not taken.
  * @since 0.2 */
 OPMS_API void opms_wire_write_trigger(const opms_trigger_report_t *report, uint8_t *bytes);
 OPMS_API void opms_wire_write_pong(const opms_pong_report_t *report, uint8_t *bytes);
@@ -333,7 +334,8 @@ OPMS_API void opms_wire_write_history_request(const opms_history_request_t *requ
 OPMS_API void opms_wire_write_history(const opms_history_report_t *report, uint8_t *bytes);
 OPMS_API void opms_wire_write_bootloader(uint8_t *bytes);
 
-/** Bytes to structs. The output is written only where the result is OPMS_WIRE_OK.
+/** Bytes to structs. The output is written only where the result is OPMS_WIRE_OK; it may be NULL,
+ * to check the report alone. `bytes` may be NULL: OPMS_WIRE_LENGTH.
  * @since 0.2 */
 OPMS_API opms_wire_result_t opms_wire_read_trigger(const uint8_t *bytes, size_t size,
                                                    opms_trigger_report_t *report);
