@@ -10,7 +10,7 @@ import re
 import sys
 from pathlib import Path, PurePosixPath
 
-KITS = {"image", "lens", "wire"}
+KITS = {"algebra", "image", "lens", "wire"}
 STAGES = {"bar", "pose"}
 # What a folder of libopms/src may include from other folders of libopms/src.
 MAY_USE = {

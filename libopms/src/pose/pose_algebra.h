@@ -1,74 +1,31 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /** @file
- * Fixed-size matrices of the pose stage, and rotations. Nothing here allocates. */
+ * Fixed-size matrices of the pose stage. Nothing here allocates. */
 #ifndef OPMS_POSE_POSE_ALGEBRA_H
 #define OPMS_POSE_POSE_ALGEBRA_H
 
-#include <cmath>
+#include "algebra/rotation.h"
 
-#define EIGEN_NO_MALLOC
 #include <Eigen/Cholesky>
-#include <Eigen/Core>
-#include <Eigen/Geometry>
-
-#include <opms/types.h>
 
 namespace opms::pose
 {
 
-using Vec3 = Eigen::Vector3d;
-using Mat3 = Eigen::Matrix3d;
+using algebra::Mat3;
+using algebra::orthonormal;
+using algebra::rotation_exp;
+using algebra::rotation_log;
+using algebra::rotation_of;
+using algebra::RowMajor;
+using algebra::skew;
+using algebra::translation_of;
+using algebra::Vec3;
+
 using Mat6 = Eigen::Matrix<double, 6, 6>;
 using Vec7 = Eigen::Matrix<double, 7, 1>;
 using Mat7 = Eigen::Matrix<double, 7, 7>;
 using Mat68 = Eigen::Matrix<double, 6, 8>;
 using Mat78 = Eigen::Matrix<double, 7, 8>;
-
-template <int Rows, int Cols>
-using RowMajor = Eigen::Matrix<double, Rows, Cols, Eigen::RowMajor>;
-
-/** [v]x, with [v]x a = v x a. */
-inline Mat3 skew(const Vec3 &v)
-{
-    Mat3 m;
-    m << 0.0, -v.z(), v.y(), v.z(), 0.0, -v.x(), -v.y(), v.x(), 0.0;
-    return m;
-}
-
-/** Rotation by the vector w: its direction is the axis, its length the angle. */
-inline Mat3 rotation_exp(const Vec3 &w)
-{
-    const double angle2 = w.squaredNorm();
-    const double angle = std::sqrt(angle2);
-    const bool small = angle < 1e-4;
-    const double a = small ? 1.0 - angle2 / 6.0 : std::sin(angle) / angle;
-    const double b = small ? 0.5 - angle2 / 24.0 : (1.0 - std::cos(angle)) / angle2;
-    const Mat3 k = skew(w);
-    return Mat3::Identity() + a * k + b * k * k;
-}
-
-/** The vector w with rotation_exp(w) = r, its angle at most pi. */
-inline Vec3 rotation_log(const Mat3 &r)
-{
-    const Eigen::AngleAxisd turn(r);
-    return turn.angle() * turn.axis();
-}
-
-/** The rotation next to r: rounding of many products taken off. */
-inline Mat3 orthonormal(const Mat3 &r)
-{
-    return Eigen::Quaterniond(r).normalized().toRotationMatrix();
-}
-
-inline Mat3 rotation_of(const opms_transform_t &transform)
-{
-    return Eigen::Map<const RowMajor<3, 3>>(transform.R);
-}
-
-inline Vec3 translation_of(const opms_transform_t &transform)
-{
-    return Eigen::Map<const Vec3>(transform.t_m);
-}
 
 } // namespace opms::pose
 #endif
