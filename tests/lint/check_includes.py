@@ -23,6 +23,7 @@ MAY_USE = {
 # Public headers that a folder must not see, because they belong to something after it.
 AFTER = {
     "base": {"wire.h", "lens.h", "bar.h", "pose.h", "locate.h", "opms.h"},
+    "algebra": {"wire.h", "lens.h", "bar.h", "pose.h", "locate.h", "opms.h"},
     "image": {"wire.h", "bar.h", "pose.h", "locate.h", "opms.h"},
     "lens": {"wire.h", "bar.h", "pose.h", "locate.h", "opms.h"},
     "wire": set(),  # check_wire() is stricter
