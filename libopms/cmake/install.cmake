@@ -21,6 +21,18 @@ if(TARGET opms_apriltag)
     install(EXPORT opmsApriltagTargets NAMESPACE opms:: DESTINATION ${opms_package_dir})
 endif()
 
+# The same of opms::hid, which needs hidapi, and the rule that lets people open the box.
+if(TARGET opms_hid)
+    set(OPMS_UDEV_RULES_DIR lib/udev/rules.d CACHE STRING "Where udev rules are installed")
+    set_target_properties(opms_hid PROPERTIES EXPORT_NAME hid)
+    install(TARGETS opms_hid EXPORT opmsHidTargets
+        ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
+    install(DIRECTORY hid/include/opms DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}
+        FILES_MATCHING PATTERN "*.h")
+    install(EXPORT opmsHidTargets NAMESPACE opms:: DESTINATION ${opms_package_dir})
+    install(FILES hid/udev/70-opms-box.rules DESTINATION ${OPMS_UDEV_RULES_DIR})
+endif()
+
 configure_package_config_file(cmake/opmsConfig.cmake.in
     ${CMAKE_CURRENT_BINARY_DIR}/opmsConfig.cmake
     INSTALL_DESTINATION ${opms_package_dir})

@@ -40,6 +40,8 @@ FREESTANDING = {f"{name}.h" for name in
 # x86 and ARM vector intrinsics belong to the compiler, not to a library.
 COMPILER_HEADERS = {"immintrin.h", "emmintrin.h", "xmmintrin.h", "arm_neon.h"}
 SUFFIXES = {".c", ".h", ".cpp", ".hpp"}
+HIDAPI_HEADER = re.compile(r"(hidapi/)?hidapi\w*\.h$")
+POSIX_HEADER = re.compile(r"((sys|arpa|netinet)/\w+|fcntl|poll|pthread|unistd)\.h$")
 INCLUDE = re.compile(r'^\s*#\s*include\s*(["<])([^">]+)[">]')
 
 
@@ -67,7 +69,7 @@ def is_standard(name):
 def resolve(root, source, name):
     """The file of the tree that an include means, or None for one from outside."""
     for base in (root / source.parent, root / "libopms/src", root / "libopms/include",
-                 root / "libopms/apriltag/include"):
+                 root / "libopms/apriltag/include", root / "libopms/hid/include"):
         path = (base / name).resolve()
         if path.is_file() and path.is_relative_to(root):
             return PurePosixPath(path.relative_to(root).as_posix())
@@ -125,6 +127,17 @@ def check_apriltag(name, target):
     return "opms::apriltag depends on libapriltag and the run time only"
 
 
+def check_hid(name, target):
+    if is_under(target, "libopms/src"):
+        return "opms::hid uses the public headers only"
+    if is_under(target, "libopms/hid") or is_under(target, "libopms/include"):
+        return None
+    if target is None and (is_standard(name) or POSIX_HEADER.match(name)
+                           or HIDAPI_HEADER.match(name)):
+        return None
+    return "opms::hid depends on hidapi, POSIX and the run time only"
+
+
 def check_shell(source, name, target):
     """Rules of host-tools and bindings: people-facing, outside of the library."""
     if is_under(target, "libopms/src"):
@@ -145,12 +158,17 @@ def check(root, source, name):
     if re.match(r"(apriltag/)?(apriltag|tag\w+)\.h$", name) and not (
             is_under(source, "libopms/apriltag") or is_under(source, "tests")):
         return "only opms::apriltag uses libapriltag"
+    if HIDAPI_HEADER.match(name) and not (
+            is_under(source, "libopms/hid/src") or is_under(source, "tests")):
+        return "only opms::hid uses hidapi"
     if is_under(source, "libopms/include"):
         return check_public(name, target)
     if is_under(source, "libopms/src"):
         return check_source(source, name, target)
     if is_under(source, "libopms/apriltag"):
         return check_apriltag(name, target)
+    if is_under(source, "libopms/hid"):
+        return check_hid(name, target)
     if is_under(source, "host-tools") or is_under(source, "bindings"):
         return check_shell(source, name, target)
     return None

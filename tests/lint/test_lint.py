@@ -53,6 +53,13 @@ class Includes(Tree):
     def test_a_stage_must_not_know_what_comes_after(self):
         self.assert_refused("libopms/src/bar/x.c", "#include <opms/pose.h>", "comes before")
 
+    def test_hidapi_is_for_hid_alone(self):
+        self.assert_refused("host-tools/cli/x.cpp", "#include <hidapi/hidapi.h>", "only opms::hid")
+
+    def test_hid_sees_public_headers_only(self):
+        self.assert_refused("libopms/hid/src/x.cpp", '#include "base/fail.h"', "public headers")
+        self.assert_refused("libopms/hid/src/x.cpp", "#include <libusb.h>", "depends on hidapi")
+
     def test_a_kit_must_not_include_another(self):
         self.assert_refused("libopms/src/lens/x.c", '#include "bar/search.h"', "inside of bar")
 
