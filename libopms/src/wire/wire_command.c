@@ -4,11 +4,7 @@
 #include "wire_bytes.h"
 #include "wire_frame.h"
 
-enum {
-    OPCODE = 2,
-    ARGUMENT = 4,
-    MAGIC = 4
-};
+enum { OPCODE = 2, ARGUMENT = 4, MAGIC = 4 };
 
 /* Not text, not all ones or zeros, no counter: nothing comes here by mistake. */
 static const uint32_t bootloader_magic = 0xB0075E1F;
@@ -24,14 +20,10 @@ void opms_wire_write_command(const opms_command_report_t *report, uint8_t *bytes
 static bool is_command(uint8_t opcode, uint32_t argument)
 {
     switch (opcode) {
-    case OPMS_COMMAND_PING:
-        return true;
-    case OPMS_COMMAND_ARM:
-        return argument != 0;
-    case OPMS_COMMAND_DISARM:
-        return argument == 0;
-    default:
-        return false;
+    case OPMS_COMMAND_PING: return true;
+    case OPMS_COMMAND_ARM: return argument != 0;
+    case OPMS_COMMAND_DISARM: return argument == 0;
+    default: return false;
     }
 }
 

@@ -35,8 +35,7 @@ static opms_wire_result_t check_version_and_crc(const uint8_t *bytes)
     if (bytes[1] != OPMS_WIRE_PROTOCOL) {
         return OPMS_WIRE_VERSION;
     }
-    return get_u16(bytes + CRC_AT) == opms_wire_crc16(bytes, CRC_AT) ? OPMS_WIRE_OK
-                                                                     : OPMS_WIRE_CRC;
+    return get_u16(bytes + CRC_AT) == opms_wire_crc16(bytes, CRC_AT) ? OPMS_WIRE_OK : OPMS_WIRE_CRC;
 }
 
 opms_wire_result_t wire_open(const uint8_t *bytes, size_t size, opms_report_id_t id)
@@ -58,10 +57,8 @@ static bool is_known(uint8_t id)
     case OPMS_REPORT_IDENTITY:
     case OPMS_REPORT_SETTINGS:
     case OPMS_REPORT_HISTORY:
-    case OPMS_REPORT_BOOTLOADER:
-        return true;
-    default:
-        return false;
+    case OPMS_REPORT_BOOTLOADER: return true;
+    default: return false;
     }
 }
 

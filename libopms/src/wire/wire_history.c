@@ -3,16 +3,10 @@
 #include "wire_flags.h"
 #include "wire_frame.h"
 
-enum {
-    TOKEN = 2
-};
+enum { TOKEN = 2 };
 
 /* The request. */
-enum {
-    ASKED_SESSION = 4,
-    ASKED_FIRST = 8,
-    ASKED_COUNT = 12
-};
+enum { ASKED_SESSION = 4, ASKED_FIRST = 8, ASKED_COUNT = 12 };
 
 /* The answer. */
 enum {
@@ -25,13 +19,7 @@ enum {
     ENTRY_SIZE = 20
 };
 
-enum {
-    ENTRY_US = 0,
-    ENTRY_DELAY = 8,
-    ENTRY_LENGTH = 12,
-    ENTRY_CYCLES = 16,
-    ENTRY_FLAGS = 18
-};
+enum { ENTRY_US = 0, ENTRY_DELAY = 8, ENTRY_LENGTH = 12, ENTRY_CYCLES = 16, ENTRY_FLAGS = 18 };
 
 void opms_wire_write_history_request(const opms_history_request_t *request, uint8_t *bytes)
 {

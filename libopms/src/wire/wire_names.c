@@ -4,12 +4,12 @@
 #include <opms/wire.h>
 
 /* The values of each enum are consecutive; tables of another length do not compile. */
-#define TABLE_ENDS_AT(table, last)                                                             \
+#define TABLE_ENDS_AT(table, last)                                                                 \
     _Static_assert(sizeof(table) / sizeof((table)[0]) == (size_t)(last) + 1, "one name each")
 
 static const char *const result_names[] = {
-    "OK", "wrong length", "wrong report id", "another protocol version", "bad CRC",
-    "value out of range",
+    "OK",      "wrong length",       "wrong report id", "another protocol version",
+    "bad CRC", "value out of range",
 };
 TABLE_ENDS_AT(result_names, OPMS_WIRE_VALUE);
 
@@ -32,18 +32,9 @@ TABLE_ENDS_AT(state_names, OPMS_BOX_RUNNING);
 
 static const char *const event_names[] = {
     "unknown", /* there is no kind 0 */
-    "armed",
-    "waiting",
-    "start",
-    "stop",
-    "glitch",
-    "start refused",
-    "preamble cut",
-    "strobe missing",
-    "wait timeout",
-    "refused",
-    "settings stored",
-    "endpoint healed",
+    "armed",        "waiting",       "start",           "stop",
+    "glitch",       "start refused", "preamble cut",    "strobe missing",
+    "wait timeout", "refused",       "settings stored", "endpoint healed",
 };
 TABLE_ENDS_AT(event_names, OPMS_EVENT_ENDPOINT_HEALED);
 

@@ -15,10 +15,7 @@ enum {
     SETTINGS_CRC = 36
 };
 
-enum {
-    FLAG_PENDING = 1U << 0,
-    FLAG_STORED = 1U << 1
-};
+enum { FLAG_PENDING = 1U << 0, FLAG_STORED = 1U << 1 };
 
 enum {
     LINE_TRIG_LOW = 1U << 0,
@@ -83,8 +80,8 @@ void opms_wire_write_settings(const opms_settings_report_t *report, uint8_t *byt
 {
     wire_begin(bytes, OPMS_REPORT_SETTINGS);
     bytes[LAST_SET] = (uint8_t)report->last_set;
-    bytes[FLAGS] = (uint8_t)((report->pending ? FLAG_PENDING : 0U) |
-                             (report->stored ? FLAG_STORED : 0U));
+    bytes[FLAGS] =
+        (uint8_t)((report->pending ? FLAG_PENDING : 0U) | (report->stored ? FLAG_STORED : 0U));
     put_settings(bytes, &report->settings);
     put_u16(bytes + SETTINGS_CRC, crc_of(bytes));
     wire_seal(bytes);

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Write tests/data/wire/*.json, the golden reports, or check that they are as they would be written.
+"""Write tests/data/wire/*.json, the golden reports, or check that they are as they should be.
 
     make_vectors.py [--check] [FOLDER]
 """

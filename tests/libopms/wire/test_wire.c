@@ -175,8 +175,9 @@ static void test_faulty_reports_are_refused_by_their_fault_and_leave_the_output_
         output_t output;
         fill(&output);
 
-        const opms_wire_result_t result = reader_of(refused_vectors[i].report)
-            .read(refused_vectors[i].bytes, refused_vectors[i].size, &output);
+        const opms_wire_result_t result =
+            reader_of(refused_vectors[i].report)
+                .read(refused_vectors[i].bytes, refused_vectors[i].size, &output);
 
         TEST_ASSERT_EQUAL_STRING_MESSAGE(opms_wire_result_name(refused_vectors[i].result),
                                          opms_wire_result_name(result), name);
@@ -206,8 +207,8 @@ static void test_a_bit_in_any_reserved_byte_is_refused(void)
             output_t output;
             fill(&output);
 
-            TEST_ASSERT_EQUAL_MESSAGE(OPMS_WIRE_VALUE,
-                                      reader.read(bytes, sizeof bytes, &output), reader.report);
+            TEST_ASSERT_EQUAL_MESSAGE(OPMS_WIRE_VALUE, reader.read(bytes, sizeof bytes, &output),
+                                      reader.report);
 
             check_untouched(&output, reader.report);
         }
