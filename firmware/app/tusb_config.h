@@ -1,0 +1,11 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* What TinyUSB is built for: one HID interface. */
+#ifndef FIRMWARE_APP_TUSB_CONFIG_H
+#define FIRMWARE_APP_TUSB_CONFIG_H
+
+#define CFG_TUSB_RHPORT0_MODE OPT_MODE_DEVICE
+#define CFG_TUD_ENDPOINT0_SIZE 64
+#define CFG_TUD_HID 1
+#define CFG_TUD_HID_EP_BUFSIZE 64
+
+#endif
