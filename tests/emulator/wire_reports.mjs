@@ -22,6 +22,8 @@ const fail = (text) => {
     throw new WireError(text);
 };
 
+const exact = (value) => (value <= BigInt(Number.MAX_SAFE_INTEGER) ? Number(value) : value);
+
 /** CRC-16/IBM-3740. */
 export function crc16(bytes) {
     let crc = 0xffff;
@@ -73,9 +75,10 @@ class Reader {
         this.#name(at, 4);
         return this.view.getUint32(at, true);
     }
+    /** A number where it is exact, else a BigInt; no box runs that long. */
     u64(at) {
         this.#name(at, 8);
-        return Number(this.view.getBigUint64(at, true));
+        return exact(this.view.getBigUint64(at, true));
     }
     array(at, size) {
         this.#name(at, size);
@@ -84,7 +87,7 @@ class Reader {
     /** A box time in cycles. */
     time(usAt, cyclesAt) {
         const cycles = this.range(this.u8(cyclesAt), 0, 124, 'cycles');
-        return this.u64(usAt) * 125 + cycles;
+        return exact(BigInt(this.u64(usAt)) * 125n + BigInt(cycles));
     }
     range(value, low, high, name) {
         return value >= low && value <= high ? value : fail(`${name} is ${value}`);
@@ -106,6 +109,16 @@ class Reader {
     }
 }
 
+function checkFlags(flags) {
+    const isRun = (flags & FLAG.RUN) !== 0;
+    if (isRun === ((flags & FLAG.PREAMBLE) !== 0)) {
+        fail('exactly one of PREAMBLE and RUN must be set');
+    }
+    if (flags & FLAG.PREAMBLE_CUT && !isRun) {
+        fail('PREAMBLE_CUT in the preamble');
+    }
+}
+
 export function readTrigger(bytes) {
     const r = new Reader(bytes, ID.TRIGGER);
     const report = {
@@ -115,13 +128,7 @@ export function readTrigger(bytes) {
         firstRunNumber: r.u32(40), strobeFor: r.u32(44), strobeDelay: r.u32(48),
         strobeLength: r.u32(52), gapsUs: [r.u24(56), r.u24(59)],
     };
-    const isRun = (report.flags & FLAG.RUN) !== 0;
-    if (isRun === ((report.flags & FLAG.PREAMBLE) !== 0)) {
-        fail('exactly one of PREAMBLE and RUN must be set');
-    }
-    if (report.flags & FLAG.PREAMBLE_CUT && !isRun) {
-        fail('PREAMBLE_CUT in the preamble');
-    }
+    checkFlags(report.flags);
     if (!(report.flags & FLAG.STROBE) &&
         (report.strobeFor || report.strobeDelay || report.strobeLength)) {
         fail('an exposure without STROBE');
@@ -238,6 +245,9 @@ function readEntry(r, at, number) {
         strobeLength: r.u32(at + 12), flags: r.bits(r.u16(at + 18), 0x7f, 'flags') };
     if (entry.flags & FLAG.NOT_HELD && (entry.flags !== FLAG.NOT_HELD || entry.time)) {
         fail('NOT_HELD with something else');
+    }
+    if (!(entry.flags & FLAG.NOT_HELD)) {
+        checkFlags(entry.flags);
     }
     if (!(entry.flags & FLAG.STROBE) && (entry.strobeDelay || entry.strobeLength)) {
         fail('an exposure without STROBE');
