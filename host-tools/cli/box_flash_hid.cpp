@@ -77,7 +77,7 @@ BoxVersion HidBoxes::version(const std::string &unique_id)
     const OpenBox box(unique_id);
     opms_error_t error{};
     opms_identity_report_t identity;
-    check(opms_box_identity(box.get(), &identity, nullptr, &error), error);
+    check(opms_box_get_identity(box.get(), &identity, nullptr, &error), error);
     const auto number = [&](int i) { return std::to_string(identity.firmware_version[i]); };
     return {unique_id, number(0) + "." + number(1) + "." + number(2), identity.git_hash};
 }
