@@ -38,6 +38,9 @@ int run(int argc, char **argv)
     add_cmd_simulate(app, exit_code);
 #endif
     add_cmd_box(app, exit_code);
+#ifdef OPMS_CLI_HAVE_SIGGEN
+    add_cmd_siggen(app, exit_code);
+#endif
     app.footer("'opms COMMAND --help' explains a command. Exit codes: 0 ok, 1 a result failed its\n"
                "limit, 2 usage, 3 no device, 4 a file could not be read or written, 5 pulses or\n"
                "frames were lost.");
