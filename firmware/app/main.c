@@ -21,7 +21,7 @@
 #define HARDWARE_VERSION 1
 
 /* The loop turns at least so often: LED, time-outs, watchdog. */
-#define TICK_US 25000U
+#define TICK_US 50000U
 /* And while the end of the last pulse is waited for: */
 #define STOPPING_TICK_US 500U
 
