@@ -13,6 +13,7 @@
 #include "bar/quad.h"
 #include "bar/search_plan.h"
 #include "bar/solve_spd.h"
+#include "bar/stretch_fit.h"
 #include "bar_scene.h"
 #include "truth_project.h"
 
@@ -34,6 +35,50 @@ static view_t view_8(int width, int height)
 {
     const opms_image_t image = {picture, width, height, width, OPMS_PIXEL_GREY8, 0};
     return view_of(&image);
+}
+
+/* Corners */
+
+static double normal_density(double z)
+{
+    return exp(-0.5 * z * z) / sqrt(2 * 3.14159265358979323846);
+}
+
+static double normal_part(double z)
+{
+    return 0.5 * erfc(-z / sqrt(2));
+}
+
+/** Part of a joint normal distribution that lies below a and b, by Simpson's rule. */
+static double joint_part(double a, double b, double correlation)
+{
+    const int steps = 4000;
+    const double from = -9, step = (a - from) / steps, rest = sqrt(1 - correlation * correlation);
+    double sum = 0;
+    for (int i = 0; i <= steps; ++i) {
+        const double x = from + i * step;
+        const double weight = i == 0 || i == steps ? 1 : i % 2 ? 4 : 2;
+        sum += weight * normal_density(x) * normal_part((b - correlation * x) / rest);
+    }
+    return sum * step / 3;
+}
+
+static void a_corner_off_the_right_angle_covers_its_share(void)
+{
+    static const struct {
+        double lean, error;
+    } cases[] = {{0, 1e-6}, {0.2, 1e-5}, {-0.4, 3e-4}, {0.6, 2e-3}, {-0.6, 2e-3}};
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
+        for (double a = -2; a <= 2; a += 0.5) {
+            for (double b = -2; b <= 2; b += 0.5) {
+                const double excess = (double)corner_excess(
+                    (float)cases[i].lean, (float)a, (float)normal_density(a), (float)b,
+                    (float)normal_density(b));
+                TEST_ASSERT_DOUBLE_WITHIN(cases[i].error, joint_part(a, b, cases[i].lean),
+                                          normal_part(a) * normal_part(b) + excess);
+            }
+        }
+    }
 }
 
 /* Codes */
@@ -380,6 +425,7 @@ int main(void)
     RUN_TEST(a_search_crosses_whatever_is_as_wide_as_its_pitch);
     RUN_TEST(a_square_is_traced_to_its_corners);
     RUN_TEST(what_is_no_closed_quadrilateral_is_refused);
+    RUN_TEST(a_corner_off_the_right_angle_covers_its_share);
     RUN_TEST(a_row_is_labelled_in_both_directions);
     RUN_TEST(a_row_without_cells_gets_no_labels);
     return UNITY_END();

@@ -29,7 +29,8 @@ typedef struct side_curve {
     double px_per_mm;      /* across the side, outwards */
     double half_px;        /* half the side's length */
     double border_px;      /* distance of the bar's border beyond the sides along Y */
-    double along_mm[2];    /* gradient of the position along the side, mm per px of u and of v */
+    double along_mm[2];    /* gradient of the position along the side, mm per px of u and of v, */
+    double along_turn[2];  /* and its change by tau: the ends are seldom parallel in the picture */
 } side_curve_t;
 
 static const double side_outward[4][2] = {{-1, 0}, {0, -1}, {1, 0}, {0, 1}};
@@ -41,15 +42,24 @@ static void side_point(int side, double tau, double square_y, double *x_mm, doub
     *y_mm = square_y + BAR_HALF_SQUARE_MM * (out[1] + (out[1] == 0 ? tau : 0));
 }
 
+/** Row of the inverse of the map's derivative: X for the sides along X, Y for the others. */
+static void along_gradient(const double jac[4], int along_x, double gradient[2])
+{
+    const double det = jac[0] * jac[3] - jac[1] * jac[2];
+    gradient[0] = (along_x ? jac[3] : -jac[2]) / det;
+    gradient[1] = (along_x ? -jac[1] : jac[0]) / det;
+}
+
 static int side_predict(const edge_scene_t *scene, int square, int side, side_curve_t *curve)
 {
     const double square_y = BAR_PITCH_MM * (square - OPMS_BAR_ORIGIN);
-    double end[3][2], jac[4];
+    double end[3][2], jacs[3][4];
+    const double *jac = jacs[1];
     for (int i = 0; i < 3; ++i) {
         double x, y;
         side_point(side, i - 1.0, square_y, &x, &y);
         if (!plane_map_project(&scene->map, scene->lens, scene->ray_limit, x, y, end[i],
-                               i == 1 ? jac : NULL)) {
+                               jacs[i])) {
             return 0;
         }
     }
@@ -83,12 +93,22 @@ static int side_predict(const edge_scene_t *scene, int square, int side, side_cu
     const double across = curve->along_axis == 0 ? ny : nx;
     curve->sign = across < 0 ? -1 : 1;
     curve->cosine = fabs(across);
-    /* Rows of the inverse of the map's derivative: X for the sides along X, Y for the others. */
-    const double det = jac[0] * jac[3] - jac[1] * jac[2];
     const int along_x = side == 1 || side == 3;
-    curve->along_mm[0] = (along_x ? jac[3] : -jac[2]) / det;
-    curve->along_mm[1] = (along_x ? -jac[1] : jac[0]) / det;
+    double ends[2][2];
+    along_gradient(jac, along_x, curve->along_mm);
+    along_gradient(jacs[0], along_x, ends[0]);
+    along_gradient(jacs[2], along_x, ends[1]);
+    for (int axis = 0; axis < 2; ++axis) {
+        curve->along_turn[axis] = 0.5 * (ends[1][axis] - ends[0][axis]);
+    }
     return curve->px_per_mm > 0.05;
+}
+
+/** Cosine of the angle between the normals of the side and of its ends: 0 at right angles. */
+static double lean_of(const side_curve_t *curve)
+{
+    const double *n = curve->normal, *a = curve->along_mm;
+    return (n[0] * a[0] + n[1] * a[1]) / hypot(a[0], a[1]);
 }
 
 typedef struct side_window {
@@ -165,12 +185,14 @@ static int fit_side(const edge_scene_t *scene, int square, int side, const grey_
     const double sigma_along = blur_at(scene, !family, along_px);
     const side_window_t window = window_of(&curve, side, sigma, sigma_along, scene->clip < 1);
     const float shift = (float)(scene->shift_px * scene->shift_gain[family]);
+    const double still = fmin(scene->blur_px[0], scene->blur_px[1]);
     const side_model_t model = {
-        .blur = edge_blur_of(sigma, fmin(scene->blur_px[0], scene->blur_px[1])),
+        .blur = edge_blur_of(sigma, still),
         .per_sigma = (float)(1 / sigma),
         .end_at =
             (float)(BAR_HALF_SQUARE_MM + scene->shift_px * scene->shift_gain[!family] / along_px),
         .along_scale = (float)(along_px / sigma_along),
+        .lean = (float)(still * still / (sigma * sigma_along) * lean_of(&curve)),
         .cells = family ? bar_gap_cells(square, side == 3 ? 1 : -1) : 0,
         .cell_near = (float)(BAR_CELL_GAP_MM * curve.px_per_mm) - 2.f * shift,
         .cell_far = (float)((BAR_CELL_GAP_MM + BAR_CELL_Y_MM) * curve.px_per_mm),
@@ -217,9 +239,9 @@ static int fit_side(const edge_scene_t *scene, int square, int side, const grey_
             line->count = last - first + 1;
             line->s_step = (float)(curve.sign * curve.cosine);
             line->s_first = (float)(curve.sign * curve.cosine * (first - edge)) - shift;
-            line->along_step = (float)curve.along_mm[c];
-            line->along_first =
-                (float)(BAR_HALF_SQUARE_MM * tau + curve.along_mm[c] * (first - edge));
+            const double along_mm = curve.along_mm[c] + tau * curve.along_turn[c];
+            line->along_step = (float)along_mm;
+            line->along_first = (float)(BAR_HALF_SQUARE_MM * tau + along_mm * (first - edge));
             load_pixels(view, curve.along_axis, main, first, line->count, line->grey);
             along += tau;
             ++used;

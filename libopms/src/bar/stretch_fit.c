@@ -102,10 +102,12 @@ static void add_levels(fit_sums_t *sums, const grey_levels_t *levels)
     }
 }
 
-/** How much of the code cells beyond the side is black at a position along it, under the blur. */
-static float cells_at(const side_model_t *model, float along)
+/** How much of the code cells beyond the side is black at a position along it, under the blur;
+ * `ends` gets what the lean adds to that. */
+static float cells_at(const side_model_t *model, float along, float *ends)
 {
     float sum = 0;
+    *ends = 0;
     for (int i = 0; i < BAR_CELLS;) {
         if (!(model->cells >> i & 1u)) {
             ++i;
@@ -117,7 +119,9 @@ static float cells_at(const side_model_t *model, float along)
         }
         const float from = (along - (float)BAR_CELL_X_MM * (float)(i - 3)) * model->along_scale;
         const float to = (along - (float)BAR_CELL_X_MM * (float)(j - 3)) * model->along_scale;
-        sum += edge_profile(from).step - edge_profile(to).step;
+        const edge_profile_t a = edge_profile(from), b = edge_profile(to);
+        sum += a.step - b.step;
+        *ends += b.pulse - a.pulse;
         i = j;
     }
     return sum;
@@ -128,14 +132,23 @@ static inline float coverage(const side_model_t *model, float s, float along, fl
 {
     const edge_profile_t edge = edge_profile_blurred(&model->blur, s);
     const float to_end = (model->end_at - fabsf(along)) * model->along_scale;
-    const float there = to_end < 3.5f ? edge_profile(to_end).step : 1.f;
-    float w = 1.f - (1.f - edge.step) * there;
-    if (model->cells && (s - model->cell_near) * model->per_sigma > -3.5f) {
-        w -= cells_at(model, along) *
-             (edge_profile_blurred(&model->blur, s - model->cell_near).step -
-              edge_profile_blurred(&model->blur, s - model->cell_far).step);
+    float w = edge.step;
+    *slope = edge.pulse;
+    if (to_end < 3.5f) {
+        const edge_profile_t there = edge_profile(to_end);
+        const float lean = along < 0.f ? -model->lean : model->lean, z = s * model->per_sigma;
+        w = 1.f - (1.f - w) * there.step -
+            corner_excess(lean, -z, edge.pulse / model->per_sigma, to_end, there.pulse);
+        *slope *= there.step + lean * z * there.pulse;
     }
-    *slope = edge.pulse * there;
+    if (model->cells && (s - model->cell_near) * model->per_sigma > -3.5f) {
+        const edge_profile_t near = edge_profile_blurred(&model->blur, s - model->cell_near),
+                             far = edge_profile_blurred(&model->blur, s - model->cell_far);
+        float ends;
+        const float cells = cells_at(model, along, &ends);
+        w -= cells * (near.step - far.step) +
+             model->lean * ends * (far.pulse - near.pulse) / model->per_sigma;
+    }
     return w;
 }
 

@@ -16,6 +16,8 @@ typedef struct side_model {
     float per_sigma;       /**< 1 / standard deviation of that blur */
     float end_at; /**< where the side ends, mm from its middle, the common shift included */
     float along_scale;     /**< standard deviations of the blur along the side, per mm of it */
+    float lean;            /**< correlation of the blur across the side and along it: what a
+                                corner is off the right angle in the picture */
     unsigned cells;        /**< black code cells beyond the gap, bar_gap_cells(); 0 for none */
     float cell_near, cell_far; /**< distance of the cells' two borders, px */
     float ground;          /**< distance of the bar's border, px; 0 where it is out of reach */
@@ -32,6 +34,17 @@ typedef struct fit_line {
     int count;
     float grey[LINE_PIXELS_MAX];
 } fit_line_t;
+
+/** What a corner off the right angle covers besides the product of its two profiles: their joint
+ * normal distribution is a series in the correlation. a and b are distances from the sides in
+ * standard deviations, inside the corner positive. */
+static inline float corner_excess(float lean, float a, float density_a, float b, float density_b)
+{
+    const float ab = a * b, aa = a * a - 1.f, bb = b * b - 1.f;
+    return lean * density_a * density_b *
+           (1.f + lean * (0.5f * ab + lean * (aa * bb * (1.f / 6) +
+                                              lean * ab * (aa - 2.f) * (bb - 2.f) * (1.f / 24))));
+}
 
 /** Sum up the pixels of a stretch into `out`; its geometry is the caller's. */
 void stretch_sum(const side_model_t *model, const fit_line_t *lines, int count, stretch_t *out);
