@@ -7,6 +7,7 @@ top left pixel, u to the right, v down; the camera looks along +z. Arrays are nu
 Every failure of the library is an :class:`opms.Error`.
 """
 
+from opms import wire
 from opms._opms import (
     BAR_ORIGIN,
     BAR_PITCH_M,
@@ -64,4 +65,5 @@ __all__ = [
     "pose_detector",
     "pose_solve",
     "version",
+    "wire",
 ]

@@ -74,5 +74,7 @@ void py_bind_lens(nb::module_ &module);
 void py_bind_pose(nb::module_ &module);
 void py_bind_bar(nb::module_ &module);
 void py_bind_locate(nb::module_ &module);
+void py_bind_wire(nb::module_ &module);
+void py_bind_wire_calls(nb::module_ &module);
 
 #endif

@@ -16,7 +16,11 @@ void bind_status(nb::module_ &module)
         .value("ERR_CAPACITY", OPMS_ERR_CAPACITY, "A buffer is too small.")
         .value("ERR_DOMAIN", OPMS_ERR_DOMAIN, "No solution exists, e.g. no ray reaches a pixel.")
         .value("ERR_CONVERGE", OPMS_ERR_CONVERGE, "An iteration did not converge.")
-        .value("ERR_INTERNAL", OPMS_ERR_INTERNAL, "A defect of the library; please report it.");
+        .value("ERR_INTERNAL", OPMS_ERR_INTERNAL, "A defect of the library; please report it.")
+        .value("ERR_DEVICE", OPMS_ERR_DEVICE, "No such device, several, gone, or no permission.")
+        .value("ERR_TIMEOUT", OPMS_ERR_TIMEOUT, "The device did not answer in time.")
+        .value("ERR_VERSION", OPMS_ERR_VERSION, "The device speaks another protocol version.")
+        .value("ERR_REFUSED", OPMS_ERR_REFUSED, "The device refused; the message says why.");
 }
 
 void bind_constants(nb::module_ &module)
@@ -41,4 +45,5 @@ NB_MODULE(_opms, module)
     py_bind_pose(module);
     py_bind_bar(module);
     py_bind_locate(module);
+    py_bind_wire(module);
 }

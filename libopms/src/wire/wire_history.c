@@ -72,8 +72,9 @@ void opms_wire_write_history(const opms_history_report_t *report, uint8_t *bytes
     put_u32(bytes + SESSION, report->session_id);
     put_u32(bytes + FIRST_NUMBER, report->count > 0 ? report->entries[0].number : 0);
     put_u16(bytes + REMAINING, report->remaining);
-    bytes[COUNT] = (uint8_t)report->count;
-    for (uint32_t i = 0; i < report->count; i++) {
+    /* Too large a count must not reach beyond the entries; no reader takes it. */
+    bytes[COUNT] = (uint8_t)(report->count < UINT8_MAX ? report->count : UINT8_MAX);
+    for (uint32_t i = 0; i < report->count && i < OPMS_HISTORY_PER_REPORT; i++) {
         put_entry(bytes + ENTRIES + i * ENTRY_SIZE, &report->entries[i]);
     }
     wire_seal(bytes);

@@ -318,6 +318,20 @@ static void test_a_gap_of_more_than_24_bits_is_written_as_none(void)
     TEST_ASSERT_EQUAL_HEX32(0, report.gap_us[1]);
 }
 
+static void test_a_history_of_too_many_entries_is_written_within_bounds_and_not_read(void)
+{
+    const uint32_t counts[] = {OPMS_HISTORY_PER_REPORT + 1, 256, 258, 1000000, UINT32_MAX};
+    for (size_t i = 0; i < COUNT(counts); i++) {
+        opms_history_report_t report = history_vectors[3].report;
+        report.count = counts[i];
+        uint8_t bytes[OPMS_WIRE_SIZE];
+
+        opms_wire_write_history(&report, bytes);
+
+        TEST_ASSERT_EQUAL(OPMS_WIRE_VALUE, opms_wire_read_history(bytes, sizeof bytes, NULL));
+    }
+}
+
 static void test_the_default_settings_are_those_of_the_docs(void)
 {
     opms_settings_t settings;
@@ -388,6 +402,7 @@ int main(void)
     RUN_TEST(test_the_check_tells_version_and_crc_apart_and_the_id_all_the_same);
     RUN_TEST(test_the_crc_has_its_published_check_value);
     RUN_TEST(test_a_gap_of_more_than_24_bits_is_written_as_none);
+    RUN_TEST(test_a_history_of_too_many_entries_is_written_within_bounds_and_not_read);
     RUN_TEST(test_the_default_settings_are_those_of_the_docs);
     RUN_TEST(test_settings_out_of_range_are_refused_by_name);
     RUN_TEST(test_every_value_has_a_name_of_its_own_and_others_are_unknown);
