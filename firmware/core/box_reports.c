@@ -137,7 +137,8 @@ bool box_next_report(box_t *box, box_cycles_t now, uint8_t bytes[OPMS_WIRE_SIZE]
 {
     bool others = others_wait(box);
     if (next_trigger(box) && !(others && box->triggers_in_row >= TRIGGERS_IN_ROW)) {
-        box->triggers_in_row++;
+        /* Only those that overtook count: else the next pulse would have to wait, once. */
+        box->triggers_in_row = others ? box->triggers_in_row + 1 : 0;
         write_trigger(box, now, bytes);
         return true;
     }

@@ -50,9 +50,14 @@ uint32_t pulse_log_add(pulse_log_t *log, uint32_t number, box_cycles_t time, uin
     return skipped;
 }
 
+static bool is_empty(const pulse_log_t *log)
+{
+    return log->first == log->last + 1;
+}
+
 static bool is_in_range(const pulse_log_t *log, uint32_t number)
 {
-    return log->last != 0 && number - log->first <= log->last - log->first;
+    return !is_empty(log) && number - log->first <= log->last - log->first;
 }
 
 bool pulse_log_holds(const pulse_log_t *log, uint32_t number)
@@ -87,7 +92,7 @@ void pulse_log_set_strobe(pulse_log_t *log, uint32_t number, uint32_t delay_cycl
 
 uint32_t pulse_log_before(const pulse_log_t *log, box_cycles_t time)
 {
-    if (log->last == 0 || pulse_log_time(log, log->first) > time)
+    if (is_empty(log) || pulse_log_time(log, log->first) > time)
         return 0;
     /* Times rise with the numbers: halve the range until one is left. */
     uint32_t offset = 0, length = log->last - log->first + 1;
