@@ -143,9 +143,12 @@ static void tell_start_line(edge_order_t *order, box_input_t *input)
 
 static void tell_glitch(edge_order_t *order, box_input_t *input)
 {
+    /* The tags may make it longer by a cycle than the generator knows it was. */
+    uint32_t length = length_of(&order->start);
+    uint32_t longest = order->debounce_cycles == 0 ? 0 : order->debounce_cycles - 1;
     input->kind = BOX_INPUT_GLITCH;
     input->time = order->start.rise;
-    input->length_cycles = length_of(&order->start);
+    input->length_cycles = length < longest ? length : longest;
     order->start.seen = false;
 }
 

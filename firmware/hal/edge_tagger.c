@@ -234,12 +234,12 @@ static void on_edge(void)
     pio_set_irq0_source_mask_enabled(pio1, WAKING_SOURCES, false);
 }
 
-static void init_machine(uint machine, pio_sm_config config, uint pin, uint begin)
+static void init_machine(uint machine, pio_sm_config *config, uint pin, uint begin)
 {
-    sm_config_set_jmp_pin(&config, pin);
-    sm_config_set_in_shift(&config, false, true, 32);
-    sm_config_set_fifo_join(&config, PIO_FIFO_JOIN_RX);
-    pio_sm_init(pio1, machine, begin, &config);
+    sm_config_set_jmp_pin(config, pin);
+    sm_config_set_in_shift(config, false, true, 32);
+    sm_config_set_fifo_join(config, PIO_FIFO_JOIN_RX);
+    pio_sm_init(pio1, machine, begin, config);
     pio_sm_exec(pio1, machine, pio_encode_mov_not(pio_x, pio_null));
     pio_sm_exec(pio1, machine, pio_encode_mov_not(pio_y, pio_null));
     start_channel(machine);
@@ -263,11 +263,11 @@ void edge_tagger_init(void)
     uint level_at = (uint)pio_add_program(pio1, &level_tagger_program);
     pio_sm_config pulse = pulse_tagger_program_get_default_config(pulse_at);
     pio_sm_config level = level_tagger_program_get_default_config(level_at);
-    init_machine(0, pulse, PIN_TRIG, pulse_at + pulse_tagger_offset_begin);
-    init_machine(1, pulse, PIN_TRIG, pulse_at + pulse_tagger_offset_skew);
-    init_machine(FIRST_LEVEL_MACHINE + EDGE_LINE_START, level, PIN_START,
+    init_machine(0, &pulse, PIN_TRIG, pulse_at + pulse_tagger_offset_begin);
+    init_machine(1, &pulse, PIN_TRIG, pulse_at + pulse_tagger_offset_skew);
+    init_machine(FIRST_LEVEL_MACHINE + EDGE_LINE_START, &level, PIN_START,
                  level_at + level_tagger_offset_begin);
-    init_machine(FIRST_LEVEL_MACHINE + EDGE_LINE_STROBE, level, PIN_STROBE,
+    init_machine(FIRST_LEVEL_MACHINE + EDGE_LINE_STROBE, &level, PIN_STROBE,
                  level_at + level_tagger_offset_begin);
     start_machines();
     irq_set_exclusive_handler(PIO1_IRQ_0, on_edge);
