@@ -11,7 +11,7 @@ import sys
 from pathlib import Path, PurePosixPath
 
 KITS = {"algebra", "image", "lens", "wire"}
-STAGES = {"bar", "pose"}
+STAGES = {"bar", "calib", "pose"}
 # What a folder of libopms/src may include from other folders of libopms/src.
 MAY_USE = {
     "base": set(),
@@ -29,6 +29,7 @@ AFTER = {
     "wire": set(),  # check_wire() is stricter
     "bar": {"wire.h", "pose.h", "locate.h", "opms.h"},
     "pose": {"wire.h", "locate.h", "opms.h"},
+    "calib": {"wire.h", "bar.h", "locate.h", "opms.h"},
     "locate": {"wire.h", "opms.h"},
 }
 C_HEADERS = set("""assert complex ctype errno fenv float inttypes iso646 limits locale math setjmp

@@ -12,5 +12,6 @@
 #include <opms/bar.h>
 #include <opms/pose.h>
 #include <opms/locate.h>
+#include <opms/calib.h>
 
 #endif

@@ -64,5 +64,24 @@ inline Vec3 translation_of(const opms_transform_t &transform)
     return Eigen::Map<const Vec3>(transform.t_m);
 }
 
+/** A rigid transform while it is being solved for. */
+struct Rigid {
+    Mat3 R;
+    Vec3 t;
+};
+
+/** Apply the step (w, d) to a camera's pose: the plane point `pivot` moves linearly in the camera
+ * frame, so that a large rotation swings the camera around the target as it should, instead of
+ * flying off along the tangent. */
+inline Rigid swung(const Rigid &from, const Vec3 &w, const Vec3 &d, const Vec3 &pivot)
+{
+    const Vec3 seen = from.R.transpose() * (pivot - from.t);
+    const Vec3 seen_then = seen + seen.cross(w) - from.R.transpose() * d;
+    Rigid to;
+    to.R = orthonormal(from.R * rotation_exp(w));
+    to.t = pivot - to.R * seen_then;
+    return to;
+}
+
 } // namespace opms::algebra
 #endif

@@ -1,0 +1,62 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/** @file
+ * Normal equations of a calibration, picture by picture: shared unknowns (lens, cockle) and pose. */
+#ifndef OPMS_CALIB_NORMAL_EQUATIONS_H
+#define OPMS_CALIB_NORMAL_EQUATIONS_H
+
+#include "calib/calib_state.h"
+
+namespace opms::calib
+{
+
+constexpr double TUKEY = 6.0; // of sigma: 98 % efficient for points, which have two coordinates
+
+/** Equations of one picture with S shared unknowns: those of the lens first. */
+template <int S>
+struct PictureEquations {
+    Eigen::Matrix<double, S, S> shared;  // upper triangle
+    Eigen::Matrix<double, S, 6> coupling;
+    Mat6 pose;                           // upper triangle
+    Eigen::Matrix<double, S, 1> shared_gradient;
+    Vec6 pose_gradient;
+    double cost;    // robust, in units of sigma^2
+    bool in_front;  // every point is before the camera and finite
+};
+
+/** How the points count. */
+enum class Weights {
+    Robust,  // by Tukey
+    Inliers  // 1 for an inlier, else 0: for the covariance
+};
+
+constexpr double INLIER_WEIGHT = 0.25; // of Tukey: 4.2 sigmas
+/** Mean square of two unit normal coordinates that are inliers, over 2: the tail is cut. */
+constexpr double INLIER_VARIANCE = 0.999;
+
+/** Sum up the equations of a picture's points, each `stride`-th of them.
+ *
+ * @param scale     standard deviation of the residuals in units of the stated sigmas
+ * @param cockle_scale_m  of the cockle's terms; not looked at for S = LENS */
+template <int S>
+void sum_equations(const Picture &picture, const Shape &shape, const Rigid &pose, double scale,
+                   double cockle_scale_m, uint32_t stride, Weights weights,
+                   PictureEquations<S> &equations);
+
+/** Robust cost alone. */
+double picture_cost(const Picture &picture, const Shape &shape, const Rigid &pose, double scale,
+                    double cockle_scale_m, uint32_t stride);
+
+/** Residuals (measured less model), and Tukey's weights, of all points of a picture. */
+void picture_residuals(const Picture &picture, const Shape &shape, double scale,
+                       double cockle_scale_m, double *residuals, double *weights);
+
+/** Lengths of the residuals, in the stated sigmas, of the points first, first + each, ...
+ * @return how many were written, at most `room`. */
+uint32_t residual_lengths(const Picture &picture, const Shape &shape, double cockle_scale_m,
+                          uint32_t first, uint32_t each, double *lengths, uint32_t room);
+
+/** Height of the target at a point: the cockle. */
+double target_height(const Shape &shape, double cockle_scale_m, double X, double Y);
+
+} // namespace opms::calib
+#endif
