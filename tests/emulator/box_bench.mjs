@@ -97,6 +97,20 @@ export class Bench {
         assert.deepEqual(this.bad, []);
     }
 
+    /** Cycle of the board at which the box's own time was 0: its timer's, to the microsecond. */
+    get timeZero() {
+        return this.board.chip.timer.zeroCycle;
+    }
+
+    /** The box's time less the board's, in cycles. What reports say must lie at this one offset,
+     * to the cycle, for as long as the box is up; it is less than 1 us from the timer's. */
+    timeOffset(time, cycle) {
+        const offset = time - cycle;
+        assert.ok(Math.abs(offset + this.timeZero) <= US,
+            `the box's time is ${offset + this.timeZero} cycles from its timer's`);
+        return offset;
+    }
+
     // --- USB ------------------------------------------------------------------------------------
 
     control(request, limitMs = 6000) {

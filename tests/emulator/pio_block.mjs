@@ -80,12 +80,27 @@ export class PioBlock extends RegisterBlock {
         this.flagsSeen = this.flags;
         for (const sm of this.sms) {
             if (Math.ceil(sm.due / 256) <= now) {
+                const { pinValues, pinDirections } = this;
                 sm.tick();
+                this.#contest(sm.index, now,
+                    (pinValues ^ this.pinValues) | (pinDirections ^ this.pinDirections));
             }
         }
         this.#applyFlags(now);
         this.showPins();
         this.updateDue();
+    }
+
+    /** A machine changed pins that another one keeps driving in a loop that is stepped over: of two
+     * in one cycle, the higher number counts. */
+    #contest(index, now, changed) {
+        if (changed) {
+            for (const other of this.sms) {
+                if (other.loop && other.loop.holds & changed) {
+                    other.catchUp(other.index > index ? now : now + 1);
+                }
+            }
+        }
     }
 
     #applyFlags(now) {
@@ -273,6 +288,14 @@ export class PioBlock extends RegisterBlock {
         }
     }
 
+    #force(sm, opcode, now) {
+        const { pinValues, pinDirections } = this;
+        this.flagsSeen = this.flags;
+        sm.force(opcode, now);
+        this.#contest(-1, now, (pinValues ^ this.pinValues) | (pinDirections ^ this.pinDirections));
+        this.#applyFlags(now);
+    }
+
     #writeFifo(index, value) {
         const sm = this.sms[index];
         if (sm.tx.length >= sm.txSize) {
@@ -299,9 +322,7 @@ export class PioBlock extends RegisterBlock {
                 sm.shiftctrl = value;
                 break;
             case 0x10:
-                this.flagsSeen = this.flags;
-                sm.force(value & 0xffff, now);
-                this.#applyFlags(now);
+                this.#force(sm, value & 0xffff, now);
                 break;
             case 0x14: sm.pinctrl = value; break;
             default: break;

@@ -163,7 +163,7 @@ export class PioMachine {
         if (!this.enabled) {
             this.due = FOREVER;
         }
-        if (opcode >>> 13 === 0 && this.pc <= pcBefore && injected === null && this.mayPark) {
+        if (this.pc <= pcBefore && injected === null && this.mayPark) {
             this.park();
         }
     }
@@ -220,11 +220,14 @@ export class PioMachine {
         const { since, ticks, iterations } = this.loop;
         const passed = Math.max(0, Math.floor((time * 256 - since) / ticks));
         this.#leaveLoop(Math.min(passed, iterations));
+        // What these instructions drive was driven already when the loop was entered.
+        const { pinValues, pinDirections } = this.block;
         this.mayPark = false;
         while (this.due < time * 256) {
             this.tick();
         }
         this.mayPark = true;
+        Object.assign(this.block, { pinValues, pinDirections });
     }
 
     #leaveLoop(count) {

@@ -45,6 +45,11 @@ export class TimerBlock extends RegisterBlock {
         return this.base + passed;
     }
 
+    /** The cycle at which the count was 0, by the tick that it counts now. */
+    get zeroCycle() {
+        return this.since - this.base * this.period;
+    }
+
     #arm(index, target) {
         const { events } = this.chip, alarm = this.alarms[index];
         events.cancel(alarm.event);
