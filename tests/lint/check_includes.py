@@ -11,7 +11,7 @@ import sys
 from pathlib import Path, PurePosixPath
 
 KITS = {"algebra", "image", "lens", "wire"}
-STAGES = {"bar", "calib", "pose"}
+STAGES = {"bar", "calib", "pair", "pose"}
 # What a folder of libopms/src may include from other folders of libopms/src.
 MAY_USE = {
     "base": set(),
@@ -30,7 +30,8 @@ AFTER = {
     "bar": {"wire.h", "pose.h", "locate.h", "opms.h"},
     "pose": {"wire.h", "locate.h", "opms.h"},
     "calib": {"wire.h", "bar.h", "locate.h", "opms.h"},
-    "locate": {"wire.h", "opms.h"},
+    "pair": {"lens.h", "bar.h", "pose.h", "locate.h", "calib.h", "opms.h"},  # wire.h: its input
+    "locate": {"wire.h", "pair.h", "clock.h", "opms.h"},
 }
 C_HEADERS = set("""assert complex ctype errno fenv float inttypes iso646 limits locale math setjmp
     signal stdalign stdarg stdatomic stdbool stddef stdint stdio stdlib stdnoreturn string tgmath

@@ -8,6 +8,8 @@
 #include <opms/status.h>
 #include <opms/types.h>
 #include <opms/wire.h>
+#include <opms/clock.h>
+#include <opms/pair.h>
 #include <opms/lens.h>
 #include <opms/bar.h>
 #include <opms/pose.h>

@@ -174,9 +174,9 @@ typedef struct opms_pair_summary {
 /** Options of a pairer; fill with opms_pair_options_init() first. */
 typedef struct opms_pair_options {
     uint32_t struct_size;
-    uint32_t max_wait_ms;  /**< a trigger waits this long for its frame; 100 to 60,000, def. 6,000 */
-    uint32_t min_period_us; /**< shortest period that will be set; sizes the memory; def. 10,000 */
-    uint32_t reserved;
+    uint32_t max_wait_ms;   /**< a trigger waits this long for its frame; 100 to 60,000: 6,000 */
+    uint32_t min_period_us; /**< shortest period that will be set; sizes the memory; 10,000 */
+    uint32_t first_number;  /**< of a session's first pulse: 1; others for tests at the wrap */
     opms_camera_profile_t camera; /**< default: 64-bit frame id and nothing else */
     opms_allocator_t allocator;
 } opms_pair_options_t;

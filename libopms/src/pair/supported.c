@@ -1,0 +1,127 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "pair/supported.h"
+
+#include <string.h>
+
+#include "pair/emit.h"
+
+void pair_commit(opms_pairer_t *pairer, pair_frame_t *frame)
+{
+    const pair_evidence_t *evidence = &frame->evidence;
+    pair_trigger_t *trigger = pair_ring_at(&pairer->triggers, evidence->number);
+    pair_lock_t *lock = &pairer->lock;
+    trigger->state = OPMS_TRIGGER_PAIRED;
+    trigger->frame_id = frame->id;
+    frame->evidence.witnesses |= lock->witnesses & OPMS_WITNESS_PREAMBLE;
+    if (frame->has_camera && pairer->camera.valid) {
+        pair_camera_clock_learn(&pairer->camera, frame->camera_ns, trigger->box_ns);
+    }
+    if (evidence->known & OPMS_PAIR_HAS_ARRIVAL_DELAY) {
+        const int64_t over_ns = evidence->arrival_delay_ns - pair_floor_ns(&pairer->floor);
+        if (!pairer->floor.known || over_ns <= pair_window_ns(pairer->min_gap_ns)) {
+            pair_floor_learn(&pairer->floor, evidence->arrival_delay_ns);
+        }
+    }
+    pair_segment_t *segment = &lock->segments[lock->segment];
+    if (frame->id - evidence->number == segment->offset && evidence->number > segment->last) {
+        segment->last = evidence->number;
+    }
+    lock->misses = 0;
+    if (pairer->options.camera.has_strobe && trigger->strobe == PAIR_STROBE_UNKNOWN) {
+        frame->phase = PAIR_PHASE_HELD;
+    } else {
+        pair_emit_pair(pairer, frame);
+    }
+}
+
+static pair_frame_t *supported_at(opms_pairer_t *pairer, uint32_t i)
+{
+    return pair_queue_at(&pairer->frames, pairer->supported[i]);
+}
+
+static void take_out(opms_pairer_t *pairer, uint32_t i)
+{
+    memmove(pairer->supported + i, pairer->supported + i + 1,
+            (pairer->supported_count - i - 1) * sizeof pairer->supported[0]);
+    --pairer->supported_count;
+}
+
+/** Is the trigger still free? Two frames of one trigger cannot both be its own. */
+static int is_free(const opms_pairer_t *pairer, const pair_frame_t *frame)
+{
+    const pair_trigger_t *trigger = pair_ring_at(&pairer->triggers, frame->evidence.number);
+    return trigger && trigger->state == OPMS_TRIGGER_NONE;
+}
+
+static void commit_or_bar(opms_pairer_t *pairer, pair_frame_t *frame)
+{
+    if (is_free(pairer, frame)) {
+        pair_commit(pairer, frame);
+    } else {
+        frame->phase = PAIR_PHASE_BARRED;
+    }
+}
+
+void pair_support(opms_pairer_t *pairer, uint64_t slot)
+{
+    pair_frame_t *fresh = pair_queue_at(&pairer->frames, slot);
+    pairer->lock.misses = 0;
+    for (uint32_t i = 0; i < pairer->supported_count; ++i) {
+        pair_frame_t *frame = supported_at(pairer, i);
+        if (frame->id == fresh->id) { /* came twice before it was decided */
+            fresh->phase = PAIR_PHASE_BARRED;
+            fresh->seen_before = 1;
+            return;
+        }
+    }
+    uint32_t later = 0;
+    for (uint32_t i = 0; i < pairer->supported_count;) {
+        pair_frame_t *frame = supported_at(pairer, i);
+        if (frame->id > fresh->id) {
+            ++later;
+            ++i;
+        } else if (frame->id + 1 == fresh->id || ++frame->later >= 2) {
+            take_out(pairer, i);
+            commit_or_bar(pairer, frame);
+        } else {
+            ++i;
+        }
+    }
+    fresh->later = (uint8_t)later;
+    if (later >= 2) {
+        commit_or_bar(pairer, fresh);
+        return;
+    }
+    if (pairer->supported_count == PAIR_SUPPORTED) {
+        supported_at(pairer, 0)->phase = PAIR_PHASE_BARRED;
+        take_out(pairer, 0);
+    }
+    fresh->phase = PAIR_PHASE_SUPPORTED;
+    pairer->supported[pairer->supported_count++] = slot;
+}
+
+void pair_bar_supported(opms_pairer_t *pairer)
+{
+    for (uint32_t i = 0; i < pairer->supported_count; ++i) {
+        supported_at(pairer, i)->phase = PAIR_PHASE_BARRED;
+    }
+    pairer->supported_count = 0;
+}
+
+void pair_end_supported(opms_pairer_t *pairer, int64_t number)
+{
+    for (uint32_t i = 0; i < pairer->supported_count; ++i) {
+        pair_frame_t *frame = supported_at(pairer, i);
+        if (frame->evidence.number != number) {
+            continue;
+        }
+        const pair_trigger_t *before = pair_ring_at(&pairer->triggers, number - 1);
+        take_out(pairer, i);
+        if (before && before->state == OPMS_TRIGGER_PAIRED && before->frame_id == frame->id - 1) {
+            commit_or_bar(pairer, frame);
+        } else {
+            frame->phase = PAIR_PHASE_BARRED;
+        }
+        return;
+    }
+}
