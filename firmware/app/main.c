@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Where the box's logic meets its hardware: edges in, actions out, reports to the host, sleep. */
 #include "box.h"
-#include "box_clock.h"
+#include "cycle_clock.h"
 #include "box_flash.h"
 #include "box_lines.h"
 #include "box_reset.h"
@@ -25,7 +25,7 @@
 /* And while the end of the last pulse is waited for: */
 #define STOPPING_TICK_US 500U
 
-_Static_assert(SYS_CLK_HZ == OPMS_BOX_CLOCK_HZ, "PIO counts cycles of 8 ns");
+_Static_assert(SYS_CLK_HZ == OPMS_CYCLE_CLOCK_HZ, "PIO counts cycles of 8 ns");
 
 static box_t box;
 static edge_order_t order;
@@ -45,7 +45,7 @@ static void identify(box_identity_t *identity)
     box_unique_id(report->unique_id);
     memcpy(report->git_hash, BUILD_GIT_HASH, sizeof BUILD_GIT_HASH);
     report->boot_id = box_new_boot_id();
-    report->clock_hz = OPMS_BOX_CLOCK_HZ;
+    report->clock_hz = OPMS_CYCLE_CLOCK_HZ;
     report->start_cycles = OPMS_BOX_START_CYCLES;
     report->ring_entries = OPMS_BOX_RING_ENTRIES;
     report->history_entries = OPMS_BOX_HISTORY_ENTRIES;
@@ -55,7 +55,7 @@ static void take_edges(void)
 {
     box_input_t input;
     edge_tagger_look();
-    box_cycles_t now = box_clock_now();
+    box_cycles_t now = cycle_clock_now();
     while (edge_order_next(&order, now, &input))
         box_input(&box, &input);
 }
@@ -63,7 +63,7 @@ static void take_edges(void)
 static void arm(void)
 {
     take_edges();
-    edge_order_armed(&order, box_settings(&box), box_clock_now());
+    edge_order_armed(&order, box_settings(&box), cycle_clock_now());
     pulse_generator_arm(box_settings(&box));
 }
 
@@ -79,14 +79,14 @@ static void finish_stop(void)
         return;
     stopping = false;
     take_edges();
-    edge_order_stopped(&order, box_clock_now());
+    edge_order_stopped(&order, cycle_clock_now());
 }
 
 static void store_settings(void)
 {
     box_reset_feed_watchdog();
     bool kept = settings_store_save(&box_flash, box_settings_to_store(&box));
-    box_stored(&box, kept, box_clock_now());
+    box_stored(&box, kept, cycle_clock_now());
     if (!kept)
         return;
     take_edges();
@@ -110,7 +110,7 @@ static void act(uint32_t actions)
 
 static void sleep_until_work(void)
 {
-    box_clock_wake_in_us(stopping ? STOPPING_TICK_US : TICK_US);
+    cycle_clock_wake_in_us(stopping ? STOPPING_TICK_US : TICK_US);
     /* With interrupts off, what comes between the question and WFI still wakes it. */
     uint32_t status = save_and_disable_interrupts();
     if (!usb_link_has_work() && !edge_tagger_has_news())
@@ -132,7 +132,7 @@ static void start_up(void)
     static const edge_source_t source = {edge_tagger_peek_pulse, edge_tagger_drop_pulse,
                                          edge_tagger_peek_level, edge_tagger_drop_level};
     edge_order_init(&order, &source, box_settings(&box));
-    box_clock_init();
+    cycle_clock_init();
     usb_descriptors_set_serial(identity.report.unique_id);
     usb_link_init(&box);
     box_reset_start_watchdog();
@@ -145,7 +145,7 @@ int main(void)
         box_reset_feed_watchdog();
         take_edges();
         finish_stop();
-        box_cycles_t now = box_clock_now();
+        box_cycles_t now = cycle_clock_now();
         box_tick(&box, now);
         act(box_take_actions(&box));
         box_lines_set_led(box_led(&box, now));

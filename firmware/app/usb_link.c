@@ -3,7 +3,7 @@
  * away a SET without its id; so the two requests are answered here, and all else is left to it. */
 #include "usb_link.h"
 
-#include "box_clock.h"
+#include "cycle_clock.h"
 #include "hardware/structs/usb.h"
 #include "tusb.h"
 
@@ -55,9 +55,9 @@ static bool answer_get(uint8_t port, uint8_t stage, tusb_control_request_t const
 static void carry_out_set(tusb_control_request_t const *request)
 {
     if (report_type(request) == HID_REPORT_TYPE_OUTPUT)
-        box_command(box, set_bytes, request->wLength, box_clock_now());
+        box_command(box, set_bytes, request->wLength, cycle_clock_now());
     else
-        box_set_feature(box, set_bytes, request->wLength, box_clock_now());
+        box_set_feature(box, set_bytes, request->wLength, cycle_clock_now());
 }
 
 static bool answer_set(uint8_t port, uint8_t stage, tusb_control_request_t const *request)
@@ -111,7 +111,7 @@ void tud_hid_set_report_cb(uint8_t instance, uint8_t id, hid_report_type_t type,
     (void)instance;
     (void)id;
     (void)type;
-    box_command(box, bytes, size, box_clock_now());
+    box_command(box, bytes, size, cycle_clock_now());
 }
 
 /* TinyUSB wants it; answer_get() is in its place. */
@@ -151,7 +151,7 @@ static bool is_bus_alive(box_cycles_t now)
     return now - endpoint.frame_seen < BUS_IS_ALIVE_FOR;
 }
 
-/* Enumerating anew gives the endpoint a fresh start. Pulses go on meanwhile; they are told later. */
+/* Enumerating anew gives the endpoint a fresh start. Pulses go on, and are told later. */
 static void heal_endpoint(box_cycles_t now)
 {
     bool alive = is_bus_alive(now);
@@ -178,7 +178,7 @@ void usb_link_init(box_t *of)
 void usb_link_work(void)
 {
     tud_task();
-    box_cycles_t now = box_clock_now();
+    box_cycles_t now = cycle_clock_now();
     send_next(now);
     heal_endpoint(now);
 }

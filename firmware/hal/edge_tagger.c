@@ -6,7 +6,7 @@
 #include "edge_tagger.h"
 
 #include "board_pins.h"
-#include "box_clock.h"
+#include "cycle_clock.h"
 #include "hardware/dma.h"
 #include "hardware/irq.h"
 #include "hardware/pio.h"
@@ -92,7 +92,7 @@ void edge_tagger_look(void)
 {
     pio1->irq = WAKING_FLAGS;
     pio_set_irq0_source_mask_enabled(pio1, WAKING_SOURCES, true);
-    looked_at = box_clock_now();
+    looked_at = cycle_clock_now();
     for (uint machine = MACHINES; machine-- > 0;) {
         keep_channel_going(machine);
         heads[machine] = words_of(machine);
@@ -253,7 +253,7 @@ static void start_machines(void)
     while (timer_hw->timerawl == us)
         tight_loop_contents();
     pio_enable_sm_mask_in_sync(pio1, (1U << MACHINES) - 1U);
-    started_at = box_clock_now() + START_LATENCY_CYCLES;
+    started_at = cycle_clock_now() + START_LATENCY_CYCLES;
     restore_interrupts(status);
 }
 

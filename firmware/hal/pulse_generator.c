@@ -36,6 +36,12 @@ static void drive_low(uint machine, uint pin)
     pio_sm_set_pindirs_with_mask(pio0, machine, 1U << pin, 1U << pin);
 }
 
+/* Not pio_gpio_init(): that would set back the polarity. */
+static void connect_to_pio(uint pin)
+{
+    hw_write_masked(&io_bank0_hw->io[pin].ctrl, GPIO_FUNC_PIO0, IO_BANK0_GPIO0_CTRL_FUNCSEL_BITS);
+}
+
 void pulse_generator_init(void)
 {
     generator_at = (uint)pio_add_program(pio0, &generator_program);
@@ -43,9 +49,8 @@ void pulse_generator_init(void)
     sync_at = (uint)pio_add_program(pio0, &sync_program);
     drive_low(MACHINE_GENERATOR, PIN_TRIG);
     drive_low(MACHINE_SYNC, PIN_SYNC);
-    /* Not pio_gpio_init(): it would set back the polarity. */
-    hw_write_masked(&io_bank0_hw->io[PIN_TRIG].ctrl, GPIO_FUNC_PIO0, IO_BANK0_GPIO0_CTRL_FUNCSEL_BITS);
-    hw_write_masked(&io_bank0_hw->io[PIN_SYNC].ctrl, GPIO_FUNC_PIO0, IO_BANK0_GPIO0_CTRL_FUNCSEL_BITS);
+    connect_to_pio(PIN_TRIG);
+    connect_to_pio(PIN_SYNC);
 }
 
 /* Give a resting machine's register a value, through its FIFO. */

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "box_clock.h"
+#include "cycle_clock.h"
 
 #include "hardware/irq.h"
 #include "hardware/timer.h"
 
 #define ALARM 0U
 
-box_cycles_t box_clock_now(void)
+box_cycles_t cycle_clock_now(void)
 {
     return time_us_64() * OPMS_BOX_CYCLES_PER_US;
 }
@@ -17,14 +17,14 @@ static void on_alarm(void)
     hw_clear_bits(&timer_hw->intr, 1U << ALARM);
 }
 
-void box_clock_init(void)
+void cycle_clock_init(void)
 {
     irq_set_exclusive_handler(TIMER_IRQ_0 + ALARM, on_alarm);
     hw_set_bits(&timer_hw->inte, 1U << ALARM);
     irq_set_enabled(TIMER_IRQ_0 + ALARM, true);
 }
 
-void box_clock_wake_in_us(uint32_t us)
+void cycle_clock_wake_in_us(uint32_t us)
 {
     timer_hw->alarm[ALARM] = timer_hw->timerawl + us;
 }
