@@ -44,6 +44,7 @@ static void forget_session(box_t *box)
     box->first_run_number = 0;
     box->start_edge = 0;
     box->start_seen = false;
+    box->is_held = false;
     box->preamble_cut = false;
     box->stop_asked = false;
     box->timed_out = false;
@@ -123,8 +124,13 @@ static void on_start(box_t *box, const box_input_t *input)
     box->preamble_cut = box->state == OPMS_BOX_PREAMBLE;
 }
 
-/* START takes effect at the debounce's end: pulses of the preamble may still leave before it. */
-static bool is_first_of_run(const box_t *box, box_cycles_t pulse)
+/* START takes effect at the debounce's end: pulses of the preamble may still leave before it. The
+ * last of them may rise so shortly before the run's first that time stamps do not tell them apart:
+ * then the later one is the run's. So a pulse that may be the first is held until it is known that
+ * no other follows at once. */
+#define AT_ONCE 16 /* cycles */
+
+static bool may_be_first_of_run(const box_t *box, box_cycles_t pulse)
 {
     return box->start_seen && box->first_run_number == 0 &&
            pulse >= box->start_edge + box->settings.debounce_cycles;
@@ -146,12 +152,8 @@ static uint8_t flags_of_pulse(const box_t *box)
     return box->preamble_cut ? OPMS_TRIGGER_RUN | OPMS_TRIGGER_PREAMBLE_CUT : OPMS_TRIGGER_RUN;
 }
 
-static void on_pulse(box_t *box, const box_input_t *input)
+static void log_pulse(box_t *box, const box_input_t *input)
 {
-    if (input->number - box->log.last - 1 >= UINT32_MAX / 2)
-        return; /* not after the last: hardware's count never does that */
-    if (is_first_of_run(box, input->time))
-        enter_running(box, input->number);
     box->dropped += pulse_log_add(&box->log, input->number, input->time, flags_of_pulse(box));
     box_check_strobes(box, input->number, input->time);
     if (box->state == OPMS_BOX_PREAMBLE && !box->start_seen &&
@@ -159,8 +161,35 @@ static void on_pulse(box_t *box, const box_input_t *input)
         enter_waiting(box, input->time);
 }
 
+static void release_held(box_t *box)
+{
+    if (!box->is_held)
+        return;
+    box->is_held = false;
+    enter_running(box, box->held.number);
+    log_pulse(box, &box->held);
+}
+
+static void on_pulse(box_t *box, const box_input_t *input)
+{
+    if (box->is_held) {
+        box->is_held = false;
+        if (input->time - box->held.time > AT_ONCE)
+            enter_running(box, box->held.number);
+        log_pulse(box, &box->held);
+    }
+    if (input->number - box->log.last - 1 >= UINT32_MAX / 2)
+        return; /* not after the last: hardware's count never does that */
+    box->is_held = may_be_first_of_run(box, input->time);
+    box->held = *input;
+    if (!box->is_held)
+        log_pulse(box, input);
+}
+
 void box_input(box_t *box, const box_input_t *input)
 {
+    if (input->kind != BOX_INPUT_PULSE)
+        release_held(box);
     switch (input->kind) {
     case BOX_INPUT_ARMED:
         on_armed(box, input);
@@ -203,6 +232,8 @@ void box_tick(box_t *box, box_cycles_t now)
         box->status_last = now - (now - box->status_last) % STATUS_PERIOD;
         box->status_due = true;
     }
+    if (box->is_held && now > box->held.time + AT_ONCE)
+        release_held(box);
     check_wait(box, now);
 }
 

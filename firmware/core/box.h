@@ -68,6 +68,8 @@ typedef struct box {
     bool start_seen;           /* START passed its debounce; the run's first pulse is next */
     bool preamble_cut;
     box_cycles_t start_edge;
+    bool is_held;              /* a pulse that may be the run's first waits for its successor */
+    box_input_t held;
     box_cycles_t waiting_since;
     uint32_t first_run_number;
 

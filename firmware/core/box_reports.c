@@ -120,7 +120,7 @@ static bool others_wait(const box_t *box)
 
 bool box_has_report(const box_t *box)
 {
-    return box->reported != box->log.last || others_wait(box);
+    return box->is_held || box->reported != box->log.last || others_wait(box);
 }
 
 static void write_other(box_t *box, box_cycles_t now, uint8_t *bytes)
