@@ -25,7 +25,7 @@
 /* And while the end of the last pulse is waited for: */
 #define STOPPING_TICK_US 500U
 
-_Static_assert(SYS_CLK_HZ == OPMS_CYCLE_CLOCK_HZ, "PIO counts cycles of 8 ns");
+_Static_assert(SYS_CLK_HZ == OPMS_BOX_CLOCK_HZ, "PIO counts cycles of 8 ns");
 
 static box_t box;
 static edge_order_t order;
@@ -45,7 +45,7 @@ static void identify(box_identity_t *identity)
     box_unique_id(report->unique_id);
     memcpy(report->git_hash, BUILD_GIT_HASH, sizeof BUILD_GIT_HASH);
     report->boot_id = box_new_boot_id();
-    report->clock_hz = OPMS_CYCLE_CLOCK_HZ;
+    report->clock_hz = OPMS_BOX_CLOCK_HZ;
     report->start_cycles = OPMS_BOX_START_CYCLES;
     report->ring_entries = OPMS_BOX_RING_ENTRIES;
     report->history_entries = OPMS_BOX_HISTORY_ENTRIES;

@@ -3,7 +3,7 @@
  * CPU does meanwhile: 1,024 pulses, and as many STARTs and exposures.
  *
  * Times are those of the edge at the pad, exact to the cycle for pulses and to two for the others.
- * They share one clock, which differs from cycle_clock_now() by a constant below one microsecond. */
+ * They share one clock; from cycle_clock_now() it differs by a constant, less than 1 us. */
 #ifndef FIRMWARE_HAL_EDGE_TAGGER_H
 #define FIRMWARE_HAL_EDGE_TAGGER_H
 
