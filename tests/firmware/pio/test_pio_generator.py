@@ -58,7 +58,7 @@ class Preamble(unittest.TestCase):
     def test_gaps_are_exact_and_the_last_pulse_is_followed_by_none(self):
         gaps = [3000, 6001, 3000, 9000]
         states = run(load("preamble"), begin="begin", cycles=60000, edges=[], pin=START,
-                     registers={"isr": WIDTH - 4, "fifo": [gap - WIDTH - 6 for gap in gaps]})
+                     registers={"isr": WIDTH - 4, "fifo": [gap - WIDTH - 7 for gap in gaps]})
         found = edges_of(states, TRIG)
         rises = [cycle for cycle, level in found if level]
         falls = [cycle for cycle, level in found if not level]
