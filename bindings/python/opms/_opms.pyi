@@ -33,6 +33,18 @@ class Status(enum.IntEnum):
     ERR_INTERNAL = -6
     """A defect of the library; please report it."""
 
+    ERR_DEVICE = -8
+    """No such device, several, gone, or no permission."""
+
+    ERR_TIMEOUT = -9
+    """The device did not answer in time."""
+
+    ERR_VERSION = -10
+    """The device speaks another protocol version."""
+
+    ERR_REFUSED = -11
+    """The device refused; the message says why."""
+
 def version() -> str:
     """Version of the library, as major.minor.patch."""
 
