@@ -44,20 +44,6 @@ void write_sector(FlashTarget &target, const Sector &sector, bool first)
     verify(target, sector.address + skip, bytes, SECTOR_BYTES - skip);
 }
 
-void write_first_page(FlashTarget &target, const Sector &first)
-{
-    target.write(first.address, first.bytes.data(), PAGE_BYTES);
-    try {
-        verify(target, first.address, first.bytes.data(), PAGE_BYTES);
-    } catch (const FlashError &error) {
-        /* A page in doubt must not boot. Whether this succeeds, too, the next run will tell. */
-        if (error.fault() == Fault::verify) {
-            target.erase(first.address, SECTOR_BYTES);
-        }
-        throw;
-    }
-}
-
 }  // namespace
 
 void flash_write(FlashTarget &target, const Image &image, const Progress &progress)
@@ -74,7 +60,10 @@ void flash_write(FlashTarget &target, const Image &image, const Progress &progre
         write_sector(target, sector, &sector == &image.sectors.front());
         step();
     }
-    write_first_page(target, image.sectors.front());
+    /* The checksum covers all of this page: with a wrong bit in it the box stays a bootloader. */
+    const Sector &first = image.sectors.front();
+    target.write(first.address, first.bytes.data(), PAGE_BYTES);
+    verify(target, first.address, first.bytes.data(), PAGE_BYTES);
     step();
 }
 
