@@ -16,6 +16,9 @@
 #define WALL_STEP_NS 1000000    /* what counts as a step and not as the time between two reads */
 #define REFUSED_IN_A_ROW_MAX 16 /* then it is the line that is wrong */
 #define GATE_SLACK_NS 50000     /* two reads of a clock are never closer for certain */
+#define SLOW_FACTOR 4           /* a trip so much longer than the fastest tells nothing ... */
+#define SLOW_FLOOR_NS 1000000
+#define SLOW_DRIFT 100e-6       /* ... until the line has run on by itself for long */
 
 struct opms_clock {
     opms_clock_options_t options;
@@ -151,6 +154,18 @@ static int is_on_line(const opms_clock_t *clock, const pair_trip_t *trip)
                                  drift * (double)age_ns + GATE_SLACK_NS;
 }
 
+/** Would it only spoil the line? When all trips are held up for some seconds, the line goes on
+ * better by itself than through the best of them. */
+static int is_slow(const opms_clock_t *clock, const pair_trip_t *trip)
+{
+    if (clock->fit.state == OPMS_CLOCK_UNKNOWN) {
+        return 0;
+    }
+    const double age_ns = (double)llabs(trip->host_ns - clock->fit.newest_host_ns);
+    return (double)trip->length_ns >
+           SLOW_FACTOR * (double)(clock->line.shortest_ns + SLOW_FLOOR_NS) + SLOW_DRIFT * age_ns;
+}
+
 static void refit(opms_clock_t *clock, int64_t newest_host_ns)
 {
     opms_clock_fit_t *fit = &clock->fit;
@@ -181,6 +196,10 @@ opms_status_t opms_clock_push(opms_clock_t *clock, const opms_round_trip_t *trip
     const pair_trip_t middle = {.host_ns = trip->sent_host_ns + host_ns / 2,
                                 .box_ns = trip->received_box_ns + box_ns / 2,
                                 .length_ns = host_ns - box_ns};
+    if (is_slow(clock, &middle)) {
+        ++clock->fit.refused;
+        return OPMS_OK;
+    }
     if (!is_on_line(clock, &middle)) {
         ++clock->fit.refused;
         if (++clock->refused_in_a_row < REFUSED_IN_A_ROW_MAX) {

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* A tracker of offset and drift with fixed gains (an alpha-beta filter). Offset follows within
- * some frames, drift within some tens. The tolerance is that of the jitter plus what two quartz
+/* A tracker of offset and drift (an alpha-beta filter). Between frames one period apart the gains
+ * are small, because there the jitter of stamps is what differs; after a pause of seconds it is the
+ * drift, and the gains are near 1. The tolerance is that of the jitter plus what two quartz
  * clocks can drift while no pair was seen; it narrows when the drift is known. */
 #include "pair/camera_clock.h"
 
@@ -8,7 +9,7 @@
 #include <stdlib.h>
 
 #define GAIN_OFFSET 0.25
-#define GAIN_DRIFT 0.03
+#define GAIN_HALF_NS 3e9        /* pause after which a difference is half drift */
 #define DRIFT_MAX 300e-6        /* no two quartz clocks drift more */
 #define DRIFT_UNLEARNT 300e-6   /* of what is not learnt yet */
 #define DRIFT_LEARNT 30e-6
@@ -38,10 +39,11 @@ void pair_camera_clock_learn(pair_camera_clock_t *clock, int64_t camera_ns, int6
     }
     const int64_t expected = pair_camera_clock_box(clock, camera_ns);
     const double off = (double)(box_ns - expected);
-    clock->drift += GAIN_DRIFT * off / (double)since;
+    const double gain = (double)since / ((double)since + GAIN_HALF_NS);
+    clock->drift += gain * off / (double)since;
     clock->drift = fmin(fmax(clock->drift, -DRIFT_MAX), DRIFT_MAX);
     clock->camera_ns = camera_ns;
-    clock->box_ns = expected + llround(GAIN_OFFSET * off);
+    clock->box_ns = expected + llround((fabs(off) > JITTER_NS / 4.0 ? 1 : GAIN_OFFSET) * off);
     ++clock->pairs;
 }
 

@@ -7,6 +7,9 @@
 
 #define SECOND_NS 1000000000U
 #define SEEN_AGAIN_MAX_NS ((int64_t)8 * SECOND_NS)
+#define CLOCK_BOUND_MAX_NS 1500000 /* less than the slack that arrivals have */
+#define CLOCK_AGE_FITTED_NS ((int64_t)60 * SECOND_NS)
+#define CLOCK_AGE_COARSE_NS ((int64_t)10 * SECOND_NS)
 
 /** A camera time stamp in ns on a line that does not wrap. @return 0 where it makes none. */
 static int unwrap_stamp(opms_pairer_t *pairer, uint64_t ticks, int64_t *camera_ns)
@@ -23,6 +26,22 @@ static int unwrap_stamp(opms_pairer_t *pairer, uint64_t ticks, int64_t *camera_n
     return 1;
 }
 
+/** When it arrived by the box's clock, where that is known well enough to tell a frame in time from
+ * one that is not. */
+static int read_arrival(const opms_pairer_t *pairer, int64_t arrival_host_ns, int64_t *box_ns)
+{
+    if (pairer->clock_boot_id != pairer->boot_id ||
+        opms_clock_box_from_host(pairer->clock, arrival_host_ns, box_ns, NULL) != OPMS_OK) {
+        return 0;
+    }
+    opms_clock_fit_t fit;
+    opms_clock_get(pairer->clock, &fit);
+    const int64_t age_ns = arrival_host_ns - fit.newest_host_ns;
+    const int64_t age_max_ns =
+        fit.state == OPMS_CLOCK_FITTED ? CLOCK_AGE_FITTED_NS : CLOCK_AGE_COARSE_NS;
+    return fit.bound_ns <= CLOCK_BOUND_MAX_NS && age_ns <= age_max_ns;
+}
+
 static void read_header(opms_pairer_t *pairer, const opms_frame_t *header, pair_frame_t *frame)
 {
     const opms_camera_profile_t *camera = &pairer->options.camera;
@@ -36,9 +55,8 @@ static void read_header(opms_pairer_t *pairer, const opms_frame_t *header, pair_
         frame->has_camera =
             (uint8_t)unwrap_stamp(pairer, header->camera_time_ticks, &frame->camera_ns);
     }
-    frame->has_arrival = pairer->clock_boot_id == pairer->boot_id &&
-                         opms_clock_box_from_host(pairer->clock, header->arrival_host_ns,
-                                                  &frame->arrival_box_ns, NULL) == OPMS_OK;
+    frame->has_arrival =
+        (uint8_t)read_arrival(pairer, header->arrival_host_ns, &frame->arrival_box_ns);
 }
 
 /** Did this frame come before? Where the camera's time is the same, too, that is certain; an id

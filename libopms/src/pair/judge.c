@@ -107,8 +107,8 @@ static pair_verdict_t judge_named(const opms_pairer_t *pairer, pair_frame_t *fra
 }
 
 /** No trigger at the camera's time: before the first, between two, or not known yet? */
-static pair_verdict_t judge_unnamed(const opms_pairer_t *pairer, int64_t box_ns,
-                                    const pair_trigger_t *nearest, int64_t number)
+static pair_verdict_t judge_unnamed(const opms_pairer_t *pairer, const pair_frame_t *frame,
+                                    int64_t box_ns, const pair_trigger_t *nearest, int64_t number)
 {
     const pair_ring_t *ring = &pairer->triggers;
     if (!nearest) {
@@ -119,9 +119,12 @@ static pair_verdict_t judge_unnamed(const opms_pairer_t *pairer, int64_t box_ns,
         return PAIR_VERDICT_STALE;
     }
     const int last = !before && number == ring->next - 1 && pairer->ended;
-    return last || pair_ring_timed(ring, before ? number - 1 : number + 1)
-               ? PAIR_VERDICT_OFF_GRID
-               : PAIR_VERDICT_TRIGGER;
+    if (!last && !pair_ring_timed(ring, before ? number - 1 : number + 1)) {
+        return PAIR_VERDICT_TRIGGER;
+    }
+    /* An old one may be of before the camera started anew: nothing later confirms its clock. */
+    return frame->camera_ns > pairer->camera.camera_ns ? PAIR_VERDICT_OFF_GRID
+                                                       : PAIR_VERDICT_ALONE;
 }
 
 static pair_verdict_t judge_by_camera(const opms_pairer_t *pairer, pair_frame_t *frame,
@@ -148,7 +151,7 @@ static pair_verdict_t judge_by_camera(const opms_pairer_t *pairer, pair_frame_t 
                    ? PAIR_VERDICT_STALE
                    : PAIR_VERDICT_CONTRADICTS; /* the camera's clock has started anew */
     }
-    return judge_unnamed(pairer, box_ns, nearest, number);
+    return judge_unnamed(pairer, frame, box_ns, nearest, number);
 }
 
 /** The id names a trigger that is not known (yet). */

@@ -13,8 +13,7 @@ static void bar_before(opms_pairer_t *pairer, uint64_t slot)
     pair_queue_t *frames = &pairer->frames;
     for (uint64_t i = frames->tail; i < frames->head && i < slot; ++i) {
         pair_frame_t *frame = pair_queue_at(frames, i);
-        if (frame->phase == PAIR_PHASE_PARKED || frame->phase == PAIR_PHASE_TRIGGER ||
-            frame->phase == PAIR_PHASE_OFF_GRID) {
+        if (pair_waits_for_lock(frame) || frame->phase == PAIR_PHASE_TRIGGER) {
             frame->phase = PAIR_PHASE_BARRED;
         }
     }
@@ -41,7 +40,6 @@ static void take_camera_clock(opms_pairer_t *pairer, const pair_candidate_t *fou
     }
     if (pairer->camera.valid) {
         ++pairer->counters.camera_restarts;
-        bar_before(pairer, found->first->slot);
     }
     pair_camera_clock_start(&pairer->camera, newest->camera_ns, box_ns);
 }
@@ -57,6 +55,8 @@ static void take_offset(opms_pairer_t *pairer, const pair_candidate_t *found)
         ++pairer->counters.id_changes;
     }
     lock->offset = found->offset;
+    lock->pairs = 0;
+    ++lock->epoch;
     lock->segments[lock->segment] = (pair_segment_t){found->offset, from, from - 1};
 }
 
@@ -70,13 +70,14 @@ static void take_lock(opms_pairer_t *pairer, const pair_candidate_t *found, int 
     if (changed) {
         take_offset(pairer, found);
         lock->first_id = found->first->id + (by_pattern ? 0 : 1);
-        pair_bar_supported(pairer);
+        pair_bar_supported(pairer, NULL);
         if (by_arrival && !by_pattern) {
             bar_before(pairer, pairer->options.camera.has_strobe ? found->first->slot + 1
                                                                  : pairer->frames.head);
         }
     }
-    if (found->has_floor && !pairer->floor.known) {
+    if (found->has_floor) { /* it needed no delays that were learnt before */
+        pairer->floor = (pair_floor_t){0};
         pair_floor_learn(&pairer->floor, found->floor_ns);
     }
     lock->ever = 1;

@@ -6,7 +6,7 @@
 
 #include "pair/judge.h"
 
-#define CAMERA_FRAMES 3      /* that agree, if one of them is on time */
+#define CAMERA_FRAMES 3      /* that agree; with a new offset, one of them must be on time */
 #define ARRIVAL_FRAMES 8     /* in a row, for arrivals alone */
 #define ARRIVAL_ON_TIME 5
 #define RETURN_FRAMES 4      /* in a row and all on time, back to the offset that was */
@@ -50,8 +50,9 @@ int pair_seek_by_camera(const opms_pairer_t *pairer, pair_candidate_t *found)
         found->first = seen;
         found->newest = count == 0 ? seen : found->newest;
         on_time += timing == PAIR_ON_TIME;
-        if (++count >= CAMERA_FRAMES && on_time > 0) {
-            found->witnesses |= OPMS_WITNESS_ARRIVAL;
+        const int returns = found->offset == pairer->lock.offset;
+        if (++count >= CAMERA_FRAMES && (on_time > 0 || returns)) {
+            found->witnesses |= on_time > 0 ? OPMS_WITNESS_ARRIVAL : 0;
             return 1;
         }
     }

@@ -28,6 +28,8 @@ typedef enum pair_phase {
     PAIR_PHASE_SUPPORTED, /* on time; the next frame must say the same */
     PAIR_PHASE_OFF_GRID,  /* between the triggers; the camera's clock is to be confirmed */
     PAIR_PHASE_PARKED,    /* a new lock */
+    PAIR_PHASE_TWICE,     /* it seems to have come before; the lock is to be confirmed */
+    PAIR_PHASE_STALE,     /* it seems to be old; the lock is to be confirmed */
     PAIR_PHASE_BARRED,    /* nothing but the end of its time */
     PAIR_PHASE_HELD       /* paired; the exposure's length is on its way */
 } pair_phase_t;
@@ -47,7 +49,8 @@ typedef struct pair_frame {
     uint8_t phase;     /* pair_phase_t */
     uint8_t seen_before; /* a frame with its id came before */
     uint8_t later;     /* SUPPORTED: frames on time after it */
-    uint32_t camera_epoch;
+    uint32_t camera_epoch, lock_epoch;
+    uint64_t pairs_before;    /* of the lock by which it was judged */
     pair_evidence_t evidence; /* of the last judgement */
 } pair_frame_t;
 
@@ -85,6 +88,8 @@ typedef struct pair_lock {
     int64_t verified_box_ns; /* newest trigger that was paired */
     uint32_t witnesses;
     uint32_t misses;   /* frames in a row that do not support it */
+    uint32_t epoch;    /* another one with each new offset */
+    uint64_t pairs;    /* by this offset */
     pair_segment_t segments[PAIR_SEGMENTS];
     uint32_t segment; /* the present one */
 } pair_lock_t;

@@ -9,6 +9,7 @@
 
 #define MISSES_MAX 4 /* frames in a row that do not support the lock */
 #define HOLD_MAX_NS 400000000
+#define CONFIRMING_PAIRS 4 /* more than the frames on time that may still wait */
 
 static void become_suspect(opms_pairer_t *pairer)
 {
@@ -25,9 +26,17 @@ static void miss(opms_pairer_t *pairer)
     }
 }
 
+static int has_two_witnesses(const pair_frame_t *frame)
+{
+    const uint32_t both = OPMS_WITNESS_FRAME_ID | OPMS_WITNESS_CAMERA_TIME;
+    return (frame->evidence.witnesses & both) == both;
+}
+
 static void act(opms_pairer_t *pairer, uint64_t slot, pair_verdict_t verdict, int looking_back)
 {
     pair_frame_t *frame = pair_queue_at(&pairer->frames, slot);
+    frame->lock_epoch = pairer->lock.epoch;
+    frame->pairs_before = pairer->lock.pairs;
     switch (verdict) {
     case PAIR_VERDICT_PAIR:
         pair_commit(pairer, frame);
@@ -36,13 +45,19 @@ static void act(opms_pairer_t *pairer, uint64_t slot, pair_verdict_t verdict, in
         pair_support(pairer, slot);
         return;
     case PAIR_VERDICT_DUPLICATE:
-        pair_emit_frame(pairer, frame, OPMS_FRAME_DUPLICATE);
-        break;
     case PAIR_VERDICT_STALE:
-        pair_emit_frame(pairer, frame, OPMS_FRAME_STALE);
+        if (has_two_witnesses(frame)) { /* late, but what the lock expects */
+            pair_emit_frame(pairer, frame, verdict == PAIR_VERDICT_STALE ? OPMS_FRAME_STALE
+                                                                         : OPMS_FRAME_DUPLICATE);
+            return;
+        }
+        frame->phase = verdict == PAIR_VERDICT_STALE ? PAIR_PHASE_STALE : PAIR_PHASE_TWICE;
         break;
     case PAIR_VERDICT_TRIGGER:
         frame->phase = PAIR_PHASE_TRIGGER;
+        if (frame->has_camera && pairer->camera.valid) {
+            return; /* nothing is wrong with a report that is late */
+        }
         break;
     case PAIR_VERDICT_OFF_GRID:
         frame->phase = PAIR_PHASE_OFF_GRID;
@@ -54,7 +69,7 @@ static void act(opms_pairer_t *pairer, uint64_t slot, pair_verdict_t verdict, in
     case PAIR_VERDICT_CONTRADICTS:
         frame->phase = PAIR_PHASE_PARKED;
         if (!looking_back) {
-            pair_bar_supported(pairer);
+            pair_bar_supported(pairer, frame);
             become_suspect(pairer);
         }
         break;
@@ -93,6 +108,20 @@ static int is_orphan(const opms_pairer_t *pairer, const pair_frame_t *frame)
            pairer->camera.camera_ns > frame->camera_ns;
 }
 
+/** Were enough pairs made by the lock since it judged a frame? Then the ids had not started anew
+ * before it, and the id names its trigger. */
+static int is_confirmed(const opms_pairer_t *pairer, const pair_frame_t *frame)
+{
+    return frame->lock_epoch == pairer->lock.epoch &&
+           pairer->lock.pairs >= frame->pairs_before + CONFIRMING_PAIRS;
+}
+
+int pair_waits_for_lock(const pair_frame_t *frame)
+{
+    return frame->phase == PAIR_PHASE_PARKED || frame->phase == PAIR_PHASE_OFF_GRID ||
+           frame->phase == PAIR_PHASE_TWICE || frame->phase == PAIR_PHASE_STALE;
+}
+
 void pair_settle_waiting(opms_pairer_t *pairer)
 {
     pair_queue_t *frames = &pairer->frames;
@@ -102,6 +131,10 @@ void pair_settle_waiting(opms_pairer_t *pairer)
             pair_emit_pair(pairer, frame);
         } else if (is_orphan(pairer, frame)) {
             pair_emit_frame(pairer, frame, OPMS_FRAME_ORPHAN);
+        } else if (frame->phase == PAIR_PHASE_TWICE && is_confirmed(pairer, frame)) {
+            pair_emit_frame(pairer, frame, OPMS_FRAME_DUPLICATE);
+        } else if (frame->phase == PAIR_PHASE_STALE && is_confirmed(pairer, frame)) {
+            pair_emit_frame(pairer, frame, OPMS_FRAME_STALE);
         } else if (frame->phase == PAIR_PHASE_TRIGGER && pairer->state == OPMS_PAIR_LOCKED) {
             const uint32_t misses = pairer->lock.misses;
             pair_settle_frame(pairer, slot, 0);
@@ -116,9 +149,8 @@ void pair_settle_again(opms_pairer_t *pairer)
 {
     pair_queue_t *frames = &pairer->frames;
     for (uint64_t slot = frames->tail; slot < frames->head; ++slot) {
-        const uint8_t phase = pair_queue_at(frames, slot)->phase;
-        if (phase == PAIR_PHASE_PARKED || phase == PAIR_PHASE_TRIGGER ||
-            phase == PAIR_PHASE_OFF_GRID) {
+        const pair_frame_t *frame = pair_queue_at(frames, slot);
+        if (pair_waits_for_lock(frame) || frame->phase == PAIR_PHASE_TRIGGER) {
             pair_settle_frame(pairer, slot, 1);
         }
     }
@@ -131,7 +163,10 @@ static int may_own(const opms_pairer_t *pairer, const pair_frame_t *frame, int64
     if (frame->phase == PAIR_PHASE_DECIDED || frame->phase == PAIR_PHASE_HELD) {
         return 0;
     }
-    if (frame->evidence.number != PAIR_NO_NUMBER && pairer->state == OPMS_PAIR_LOCKED) {
+    /* The frame id alone names nothing for certain: it may have started anew. */
+    if (frame->evidence.number != PAIR_NO_NUMBER &&
+        (frame->phase == PAIR_PHASE_SUPPORTED || is_confirmed(pairer, frame) ||
+         (frame->evidence.witnesses & OPMS_WITNESS_CAMERA_TIME))) {
         return frame->evidence.number == number;
     }
     const int64_t delay_ns = frame->arrival_box_ns - trigger->box_ns;
@@ -188,10 +223,8 @@ static void end_frame(opms_pairer_t *pairer, uint64_t slot)
         if (frame->phase == PAIR_PHASE_HELD) {
             pair_emit_pair(pairer, frame);
         } else if (frame->phase != PAIR_PHASE_DECIDED) {
-            const int comes_twice = frame->seen_before && frame->evidence.number != PAIR_NO_NUMBER;
             suspect_triggers(pairer, frame);
-            pair_emit_frame(pairer, frame,
-                            comes_twice ? OPMS_FRAME_DUPLICATE : OPMS_FRAME_UNCERTAIN);
+            pair_emit_frame(pairer, frame, OPMS_FRAME_UNCERTAIN);
         }
     }
 }

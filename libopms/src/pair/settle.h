@@ -9,6 +9,9 @@
 /** Judge a frame that waits, if there is a lock, and act on it. */
 void pair_settle_frame(opms_pairer_t *pairer, uint64_t slot, int looking_back);
 
+/** Would a new lock change what it is? */
+int pair_waits_for_lock(const pair_frame_t *frame);
+
 /** Go over the frames that wait for what may have come by now. */
 void pair_settle_waiting(opms_pairer_t *pairer);
 

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "pair/emit.h"
+#include "pair/judge.h"
 
 void pair_commit(opms_pairer_t *pairer, pair_frame_t *frame)
 {
@@ -18,13 +19,15 @@ void pair_commit(opms_pairer_t *pairer, pair_frame_t *frame)
     }
     if (evidence->known & OPMS_PAIR_HAS_ARRIVAL_DELAY) {
         const int64_t over_ns = evidence->arrival_delay_ns - pair_floor_ns(&pairer->floor);
-        if (!pairer->floor.known || over_ns <= pair_window_ns(pairer->min_gap_ns)) {
+        const int by_camera = (evidence->witnesses & OPMS_WITNESS_CAMERA_TIME) != 0;
+        if (by_camera || over_ns <= pair_window_ns(pairer->min_gap_ns)) {
             pair_floor_learn(&pairer->floor, evidence->arrival_delay_ns);
         }
     }
     pair_segment_t *segment = &lock->segments[lock->segment];
-    if (frame->id - evidence->number == segment->offset && evidence->number > segment->last) {
-        segment->last = evidence->number;
+    if (frame->id - evidence->number == segment->offset) {
+        segment->last = evidence->number > segment->last ? evidence->number : segment->last;
+        ++lock->pairs;
     }
     lock->misses = 0;
     if (pairer->options.camera.has_strobe && trigger->strobe == PAIR_STROBE_UNKNOWN) {
@@ -100,10 +103,32 @@ void pair_support(opms_pairer_t *pairer, uint64_t slot)
     pairer->supported[pairer->supported_count++] = slot;
 }
 
-void pair_bar_supported(opms_pairer_t *pairer)
+/** Does a frame's id follow upon that of the pair before? */
+static int follows_a_pair(const opms_pairer_t *pairer, const pair_frame_t *frame)
+{
+    const pair_trigger_t *before = pair_ring_at(&pairer->triggers, frame->evidence.number - 1);
+    return before && before->state == OPMS_TRIGGER_PAIRED && before->frame_id == frame->id - 1;
+}
+
+/** Could this frame be the true one of the trigger that the other is on time for? */
+static int competes(const opms_pairer_t *pairer, const pair_frame_t *frame,
+                    const pair_frame_t *other)
+{
+    const pair_trigger_t *trigger = pair_ring_at(&pairer->triggers, other->evidence.number);
+    return !trigger || !frame->has_arrival ||
+           pair_judge_delay(pairer, frame->arrival_box_ns - trigger->box_ns) == PAIR_ON_TIME;
+}
+
+void pair_bar_supported(opms_pairer_t *pairer, const pair_frame_t *contradicting)
 {
     for (uint32_t i = 0; i < pairer->supported_count; ++i) {
-        supported_at(pairer, i)->phase = PAIR_PHASE_BARRED;
+        pair_frame_t *frame = supported_at(pairer, i);
+        if (contradicting && follows_a_pair(pairer, frame) &&
+            !competes(pairer, contradicting, frame)) {
+            commit_or_bar(pairer, frame);
+        } else {
+            frame->phase = PAIR_PHASE_BARRED;
+        }
     }
     pairer->supported_count = 0;
 }
@@ -115,9 +140,8 @@ void pair_end_supported(opms_pairer_t *pairer, int64_t number)
         if (frame->evidence.number != number) {
             continue;
         }
-        const pair_trigger_t *before = pair_ring_at(&pairer->triggers, number - 1);
         take_out(pairer, i);
-        if (before && before->state == OPMS_TRIGGER_PAIRED && before->frame_id == frame->id - 1) {
+        if (follows_a_pair(pairer, frame)) {
             commit_or_bar(pairer, frame);
         } else {
             frame->phase = PAIR_PHASE_BARRED;

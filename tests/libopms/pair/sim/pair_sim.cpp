@@ -52,6 +52,7 @@ void run_pairer(Profile profile, uint64_t run, uint64_t triggers, bool naive, Fa
     box.drift = random.uniform(-50e-6, 50e-6);
     const auto subject = naive ? make_naive(first) : make_pairer(profile, camera, first);
     std::vector<bool> delivered;
+    bool delays_learnt = false;
     const uint64_t enough = figures.triggers + triggers;
     int64_t armed_at = 10 * SECOND;
     for (uint32_t id = 1; figures.triggers < enough; ++id) {
@@ -59,7 +60,8 @@ void run_pairer(Profile profile, uint64_t run, uint64_t triggers, bool naive, Fa
         Session session =
             make_session(profile, id, first, armed_at, box, camera, faults, random);
         session.box = before;
-        run_session(profile, session, box, *subject, delivered, faults, random, figures);
+        run_session(profile, session, box, *subject, delivered, delays_learnt, faults, random,
+                    figures);
         figures.broken_sums += !subject->sums_hold();
         armed_at = session.closed_at + 4 * SECOND;
     }

@@ -76,6 +76,8 @@ public:
     }
 
 private:
+    void hear(uint32_t triggers) { session_.heard = std::max<size_t>(session_.heard, triggers); }
+
     void post(Kind kind, int64_t at, const Bytes &bytes, int64_t sent = 0)
     {
         events_.push({at, order_++, kind, sent, bytes});
@@ -108,6 +110,7 @@ private:
             event.time = box_time(session_.box.box_from_host(session_.ended_at));
             event.argument = session_.first_number + uint32_t(session_.triggers.size()) - 1;
             send(event, session_.ended_at);
+            hear(uint32_t(session_.triggers.size())); // by STATUS at the latest
         }
     }
 
@@ -149,8 +152,11 @@ private:
         pong.sent = box_time(box->box_from_host(received + 15000));
         Bytes bytes;
         opms_wire_write_pong(&pong, bytes.data());
-        post(Kind::PONG, read_time(session_.stalls, std::max(arrived, received + 20000)), bytes,
-             sent);
+        const int64_t read = read_time(session_.stalls, std::max(arrived, received + 20000));
+        if (box == &session_.box && read - sent < 3 * MS) {
+            session_.clock_known = std::min(session_.clock_known, read);
+        }
+        post(Kind::PONG, read, bytes, sent);
     }
 
     void status(int64_t at)
@@ -173,6 +179,9 @@ private:
         Bytes bytes;
         opms_wire_write_status(&report, bytes.data());
         post(Kind::REPORT, read_time(session_.stalls, at + MS), bytes);
+        if (read_time(session_.stalls, at + MS) < session_.closed_at) {
+            hear(same_boot ? count : 0);
+        }
     }
 
     void read_report(const ReportDelivery &delivery)
@@ -184,6 +193,7 @@ private:
             bytes[size_t(delivery.damaged_bit / 8)] ^= uint8_t(1U << (delivery.damaged_bit % 8));
         } else {
             trigger.known = std::min(trigger.known, delivery.at);
+            hear(uint32_t(delivery.trigger) + 1);
         }
         subject_.report(bytes.data(), delivery.at);
     }
@@ -301,8 +311,9 @@ private:
 } // namespace
 
 void run_session(Profile profile, Session &session, const BoxState &next_box, Subject &subject,
-                 std::vector<bool> &delivered, Faults &faults, Random &random, Figures &figures)
+                 std::vector<bool> &delivered, bool &delays_learnt, Faults &faults,
+                 Random &random, Figures &figures)
 {
     Host(profile, session, next_box, subject, delivered, faults, random, figures).run();
-    judge_session(profile, session, figures);
+    judge_session(profile, session, delays_learnt, figures);
 }

@@ -10,6 +10,7 @@
 
 /** Run one session. `delivered` remembers by serial number which frames ever came. */
 void run_session(Profile profile, Session &session, const BoxState &next_box, Subject &subject,
-                 std::vector<bool> &delivered, Faults &faults, Random &random, Figures &figures);
+                 std::vector<bool> &delivered, bool &delays_learnt, Faults &faults,
+                 Random &random, Figures &figures);
 
 #endif

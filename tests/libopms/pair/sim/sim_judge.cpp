@@ -9,6 +9,7 @@ bool is_on_time(const Session &session, const Delivery &delivery)
 {
     const TrueFrame &frame = delivery.frame;
     return frame.session == session.id && frame.trigger >= 0 &&
+           delivery.at >= session.clock_known &&
            delivery.at - session.triggers[size_t(frame.trigger)].at <= FRAME_DELAY + ON_TIME;
 }
 
@@ -47,6 +48,7 @@ static void judge_triggers(Session &session, const opms_pair_result_t &result, F
         const uint64_t index = result.trigger_number - session.first_number + i;
         if (index >= session.triggers.size()) {
             ++figures.broken_sums;
+            complain("no such trigger", session, result, nullptr);
             continue;
         }
         ++session.triggers[index].results;
@@ -82,6 +84,7 @@ void judge_result(Session &session, const opms_pair_result_t &result, Figures &f
     }
     Delivery &delivery = session.frames[index];
     ++delivery.results;
+    delivery.result = result;
     const bool of_session = delivery.frame.session == session.id && delivery.frame.trigger >= 0;
     if (result.frame_state == OPMS_FRAME_PAIRED) {
         delivery.paired = true;
@@ -113,24 +116,26 @@ int64_t offset_of(const Delivery &delivery)
 struct Row {
     std::vector<size_t> members;
     std::vector<bool> on_time;
-    bool preamble = false; ///< they are the preamble's: known by its gaps
+    int preamble = 0; ///< of them: the preamble's frames that came on time, known by its gaps
     bool established = false;
 
-    bool shows_itself() const
+    bool shows_itself(bool delays_learnt) const
     {
         const size_t n = members.size();
-        if (preamble && n >= PREAMBLE_FRAMES &&
-            std::count(on_time.begin(), on_time.end(), true) >= PREAMBLE_FRAMES) {
+        if (preamble >= PREAMBLE_FRAMES) {
             return true;
         }
-        return n >= LOCK_FRAMES && on_time.back() &&
+        return delays_learnt && n >= LOCK_FRAMES && on_time.back() &&
                std::count(on_time.end() - LOCK_FRAMES, on_time.end(), true) >= LOCK_ON_TIME;
     }
 };
 
 class Pairable {
 public:
-    Pairable(Profile profile, Session &session) : profile_(profile), session_(session) {}
+    Pairable(Profile profile, Session &session, bool &delays_learnt)
+        : profile_(profile), session_(session), delays_learnt_(delays_learnt)
+    {
+    }
 
     void mark()
     {
@@ -172,22 +177,21 @@ private:
     void add(Row &row, size_t i)
     {
         const Delivery &delivery = session_.frames[i];
-        row.preamble = row.preamble || (row.members.empty() && delivery.frame.trigger < PREAMBLE);
         row.members.push_back(i);
         row.on_time.push_back(is_on_time(session_, delivery));
-        if (!row.established && row.shows_itself()) {
+        row.preamble += delivery.frame.trigger < PREAMBLE && row.on_time.back();
+        if (!row.established && row.shows_itself(delays_learnt_)) {
+            const bool by_preamble = row.preamble >= PREAMBLE_FRAMES;
+            delays_learnt_ = true;
             row.established = true;
             note_clock(delivery.frame.epoch, session_.frames[row.members.front()]);
             // What came before the lock counts where a strobe or the preamble helps.
-            const bool before = row.preamble || profile_ == STROBE_ONLY;
+            const bool before = by_preamble || profile_ == STROBE_ONLY;
             for (size_t k = 1; before && k < row.members.size(); ++k) {
                 mark_on_time(row.members[k]);
             }
-            if (row.preamble) {
+            if (by_preamble) {
                 mark_on_time(row.members.front());
-            }
-            if (before) {
-                return;
             }
         } else if (row.established) {
             mark_on_time(i);
@@ -247,27 +251,40 @@ private:
 
     Profile profile_;
     Session &session_;
+    bool &delays_learnt_;
     std::vector<std::pair<uint32_t, int64_t>> clocks_; ///< of the camera: start, known since
 };
 
 } // namespace
 
-void judge_session(Profile profile, Session &session, Figures &figures)
+void judge_session(Profile profile, Session &session, bool &delays_learnt, Figures &figures)
 {
-    Pairable(profile, session).mark();
+    Pairable(profile, session, delays_learnt).mark();
     figures.triggers += session.triggers.size();
     figures.frames += session.frames.size();
     for (const TrueTrigger &trigger : session.triggers) {
-        figures.broken_sums += trigger.results != 1;
+        const auto index = size_t(&trigger - session.triggers.data());
+        const int due = index < session.heard ? 1 : 0; // the last ones may be lost with the boot
+        figures.broken_sums += trigger.results != due;
+        if (trigger.results != due && std::getenv("OPMS_SIM_VERBOSE")) {
+            std::printf("  trigger %zu has %d results\n", index, trigger.results);
+        }
     }
     for (const Delivery &delivery : session.frames) {
         figures.broken_sums += delivery.results != 1;
         figures.pairable += delivery.pairable;
         figures.pairable_paired += delivery.pairable && delivery.paired;
         if (delivery.pairable && !delivery.paired && std::getenv("OPMS_SIM_VERBOSE")) {
-            std::printf("  not paired: session %u frame %zu of trigger %d at %.3f s\n",
+            const TrueTrigger &trigger = session.triggers[size_t(delivery.frame.trigger)];
+            std::printf("  not paired: session %u frame %zu of trigger %d at %.3f s, %.3f ms late, "
+                        "id %llu; trigger known after %.3f ms; %s, witnesses %x against %x\n",
                         unsigned(session.id), size_t(&delivery - session.frames.data()),
-                        delivery.frame.trigger, double(delivery.at - session.armed_at) / 1e9);
+                        delivery.frame.trigger, double(delivery.at - session.armed_at) / 1e9,
+                        double(delivery.at - trigger.at - FRAME_DELAY) / 1e6,
+                        (unsigned long long)delivery.frame.raw_id,
+                        double(trigger.known - trigger.at) / 1e6,
+                        opms_frame_state_name(delivery.result.frame_state),
+                        unsigned(delivery.result.witnesses), unsigned(delivery.result.against));
         }
     }
 }
@@ -276,6 +293,11 @@ void LockWatch::see(const Session &session, const Delivery &delivery, bool locke
                     Figures &figures)
 {
     figures.locks_lost += was_locked_ && !locked;
+    if (was_locked_ != locked && std::getenv("OPMS_SIM_VERBOSE")) {
+        std::printf("  %s at %.3f s, frame %zu of trigger %d\n", locked ? "locked" : "lock lost",
+                    double(delivery.at - session.armed_at) / 1e9,
+                    size_t(&delivery - session.frames.data()), delivery.frame.trigger);
+    }
     was_locked_ = locked;
     if (delivery.copy) {
         return;

@@ -28,8 +28,9 @@ struct Figures {
 /** Take a result into account. */
 void judge_result(Session &session, const opms_pair_result_t &result, Figures &figures);
 
-/** After the last result of a session: sums, and the share of what could be paired. */
-void judge_session(Profile profile, Session &session, Figures &figures);
+/** After the last result of a session: sums, and the share of what could be paired.
+ * @param delays_learnt  A preamble has shown how long after their triggers frames arrive. */
+void judge_session(Profile profile, Session &session, bool &delays_learnt, Figures &figures);
 
 /** Counts undisturbed frames while there is no lock: on time, counted like the ones before, their
  * triggers known. */

@@ -61,6 +61,7 @@ struct Delivery {
     bool copy = false;      ///< it came before
     bool paired = false;
     bool pairable = false;
+    opms_pair_result_t result{}; ///< the last one
 };
 
 struct ReportDelivery {
@@ -108,6 +109,8 @@ struct Session {
     opms_box_time_t start_edge;
     uint32_t first_run;
     std::vector<TrueTrigger> triggers;
+    int64_t clock_known = NEVER; ///< when the first ping came back that was not held up
+    size_t heard = 0; ///< triggers that the host can know to exist
     std::vector<Delivery> frames;        ///< by arrival
     std::vector<ReportDelivery> reports; ///< by arrival
     std::vector<Stall> stalls;
