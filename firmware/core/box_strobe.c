@@ -16,7 +16,10 @@ static void tell_missing(box_t *box, uint32_t number, box_cycles_t now)
 /* Every pulse up to `number` has its exposure by now, or has none. */
 static void settle_up_to(box_t *box, uint32_t number, box_cycles_t now)
 {
-    if (number - box->strobe_checked > OPMS_BOX_HISTORY_ENTRIES)
+    uint32_t unsettled = number - box->strobe_checked;
+    if (unsettled > UINT32_MAX / 2)
+        return; /* a later exposure has settled it */
+    if (unsettled > OPMS_BOX_HISTORY_ENTRIES)
         box->strobe_checked = number - OPMS_BOX_HISTORY_ENTRIES;
     while (box->strobe_checked != number)
         tell_missing(box, ++box->strobe_checked, now);
