@@ -35,6 +35,7 @@ export class Chip {
         this.instructions = 0;
         this.bootloader = null; // arguments of the call into the USB bootloader
         this.dead = false;
+        this.ssi = new SsiBlock(this, this.flash);
         this.#makeCore(settings);
         this.#makeBlocks(settings);
         this.nets = new GpioNets(this, settings.outside, settings.onLevel);
@@ -84,46 +85,59 @@ export class Chip {
     /** Faster than rp2040js' own, and with what silicon does: no reads from a flash that is not
      * in XIP mode, no writes to ROM or flash. */
     #replaceMemoryAccess(mcu) {
-        const { sramView, sram, flashView, flash } = mcu, size = sram.length;
-        const [read32, read16, read8] = [mcu.readUint32, mcu.readUint16, mcu.readUint8]
-            .map((method) => method.bind(mcu));
-        const write32 = mcu.writeUint32.bind(mcu);
-        const flashOffset = (address) => {
-            if (!this.ssi.xip) {
-                this.fault(`flash is read at 0x${(address >>> 0).toString(16)} outside of XIP`);
-            }
-            return address & (FLASH_SIZE - 1);
-        };
-        const isFlash = (address) => address >= FLASH && address < 0x14000000;
+        const { sram, flash } = mcu, size = sram.length, top = FLASH_SIZE - 1;
+        const ram16 = new Uint16Array(sram.buffer), ram32 = new Uint32Array(sram.buffer);
+        const flash16 = new Uint16Array(flash.buffer), flash32 = new Uint32Array(flash.buffer);
+        const original = {};
+        for (const name of ['readUint32', 'readUint16', 'readUint8', 'writeUint32']) {
+            original[name] = mcu[name].bind(mcu);
+        }
+        const { ssi } = this;
+        const isFlash = (address) => address >= FLASH && address < 0x14000000 &&
+            (ssi.xip || this.#faultAtFlash(address));
         mcu.readUint16 = (address) => {
             const inRam = address - RAM;
             if (isFlash(address)) {
-                return flashView.getUint16(flashOffset(address), true);
+                return flash16[(address & top) >>> 1];
             }
-            return inRam >= 0 && inRam < size ? sramView.getUint16(inRam, true) : read16(address);
+            return inRam >= 0 && inRam < size ? ram16[inRam >>> 1] : original.readUint16(address);
         };
         mcu.readUint32 = (signed) => {
             const address = signed >>> 0, inRam = address - RAM;
-            if (inRam >= 0 && inRam < size && !(address & 3)) {
-                return sramView.getUint32(inRam, true);
+            if (address & 3) {
+                this.fault(`word read at 0x${address.toString(16)}, which is not aligned`);
             }
-            return isFlash(address) ? flashView.getUint32(flashOffset(address), true)
-                : read32(address);
+            if (inRam >= 0 && inRam < size) {
+                return ram32[inRam >>> 2];
+            }
+            return isFlash(address) ? flash32[(address & top) >>> 2]
+                : original.readUint32(address);
         };
         mcu.readUint8 = (signed) => {
-            const address = signed >>> 0;
-            return isFlash(address) ? flash[flashOffset(address)] : read8(address);
+            const address = signed >>> 0, inRam = address - RAM;
+            if (inRam >= 0 && inRam < size) {
+                return sram[inRam];
+            }
+            return isFlash(address) ? flash[address & top] : original.readUint8(address);
         };
         mcu.writeUint32 = (signed, value) => {
             const address = signed >>> 0, inRam = address - RAM;
             if (inRam >= 0 && inRam < size && !(address & 3)) {
-                sramView.setUint32(inRam, value, true);
-            } else if (isFlash(address)) {
+                ram32[inRam >>> 2] = value;
+            } else if (address >= FLASH && address < 0x14000000) {
                 this.fault(`write to flash at 0x${address.toString(16)}`);
             } else if (address >= 0x4000) { // writes to ROM have no effect
-                write32(address, value);
+                original.writeUint32(address, value);
             }
         };
+        for (const name of ['readUint32', 'readUint16', 'readUint8', 'writeUint32']) {
+            mcu.core[name] = mcu[name];
+        }
+    }
+
+    #faultAtFlash(address) {
+        this.fault(`flash is read at 0x${address.toString(16)} outside of XIP`);
+        return true;
     }
 
     /** rp2040js enters a handler from WFI even where PRIMASK forbids it; here an interrupt only
@@ -144,7 +158,6 @@ export class Chip {
         const { mcu } = this;
         this.resets = new ResetsBlock(this);
         this.psm = new small.PsmBlock(this);
-        this.ssi = new SsiBlock(this, this.flash);
         this.dma = mcu.dma = new DmaBlock(this);
         this.timer = new TimerBlock(this);
         this.watchdog = new WatchdogBlock(this, watchdog);
@@ -288,14 +301,22 @@ export class Chip {
             } else if (core.waiting) {
                 this.#sleep(core, until);
             } else {
-                const spent = core.executeInstruction();
-                this.instructions++;
-                const next = this.now + spent;
-                if (this.#nextDue() <= next) {
-                    this.#advance(next);
-                } else {
-                    this.#setNow(next);
-                }
+                this.#execute(core, until);
+            }
+        }
+    }
+
+    /** Instructions one after the other, until something else is due: the inner loop of it all. */
+    #execute(core, until) {
+        const { events, mcu: { clock } } = this, [pio0, pio1] = this.pio;
+        while (this.now < until && !core.waiting && this.busyUntil <= this.now && !this.dead) {
+            const next = this.now + core.executeInstruction();
+            this.instructions++;
+            if (events.next <= next || pio0.due <= next || pio1.due <= next || clock.nextAlarm) {
+                this.#advance(next);
+            } else {
+                this.now = next;
+                clock.nanosCounter = next * NS_PER_CYCLE;
             }
         }
     }
