@@ -2,7 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 # Download packages of Debian into a folder without installing anything.
 #
-#   debian_download.sh DIR PACKAGE...     -> DIR/PACKAGE_*.deb
+#   debian_download.sh DIR PACKAGE...              -> DIR/PACKAGE_*.deb
+#   debian_download.sh --source DIR PACKAGE...     -> DIR/PACKAGE_*.orig.tar.*
 #
 # Debian 13 and newer have them in their own archive. For older ones a private apt configuration
 # is made from the machine's own sources with the suite replaced; the machine's own lists stay as
@@ -10,7 +11,12 @@
 set -eu
 
 suite=trixie
-[ $# -ge 2 ] || { echo "usage: debian_download.sh DIR PACKAGE..." >&2; exit 2; }
+type=deb
+if [ "${1:-}" = --source ]; then
+    type=deb-src
+    shift
+fi
+[ $# -ge 2 ] || { echo "usage: debian_download.sh [--source] DIR PACKAGE..." >&2; exit 2; }
 mkdir -p "$1"
 dir=$(cd "$1" && pwd)
 shift
@@ -25,11 +31,11 @@ copy_sources() {
     mkdir -p "$work/sources" "$work/lists/partial" "$work/cache/archives/partial"
     for file in /etc/apt/sources.list.d/*.sources; do
         [ -f "$file" ] || continue
-        awk -v own="$own" -v suite="$suite" '
+        awk -v own="$own" -v suite="$suite" -v type="$type" '
             function flush() { if (wanted) printf "%s\n", text; text = ""; wanted = 0 }
             /^[ \t]*$/ { flush(); next }
             /^#/ { next }
-            tolower($1) == "types:" { text = text "Types: deb\n"; next }
+            tolower($1) == "types:" { text = text "Types: " type "\n"; next }
             tolower($1) == "components:" { text = text "Components: main\n"; next }
             tolower($1) == "suites:" {
                 for (i = 2; i <= NF; i++)
@@ -41,7 +47,7 @@ copy_sources() {
     done
     for file in /etc/apt/sources.list /etc/apt/sources.list.d/*.list; do
         [ -f "$file" ] || continue
-        awk -v own="$own" -v suite="$suite" '
+        awk -v own="$own" -v suite="$suite" -v type="$type" '
             $1 == "deb" {
                 at = 2
                 if ($2 ~ /^\[/) { while ($at !~ /\]$/) at++; at++ }
@@ -49,6 +55,7 @@ copy_sources() {
                 if (s != own && s != "stable" && s != "oldstable") next
                 line = ""
                 for (i = 1; i <= at; i++) line = line $i " "
+                sub(/^deb/, type, line)
                 print line suite " main"
             }' "$file" > "$work/sources/$(basename "$file")"
     done
@@ -64,6 +71,14 @@ private_apt() {
 
 command -v apt-get > /dev/null || { echo "debian_download: there is no apt here" >&2; exit 1; }
 cd "$work"
+# The machine's own lists seldom name sources, so these are always looked up in the suite.
+if [ "$type" = deb-src ]; then
+    copy_sources
+    private_apt update
+    private_apt source --download-only --tar-only "$@"
+    mv ./*.orig.tar.* "$dir"
+    exit 0
+fi
 if ! apt-get -qq -o APT::Sandbox::User="$(id -un)" download "$@" 2> own.log; then
     echo "debian_download: not all in this machine's suite ($own), looking in $suite: $*" >&2
     copy_sources
