@@ -54,7 +54,12 @@ static pair_verdict_t judge_settled(const opms_pairer_t *pairer, const pair_fram
                                     const pair_trigger_t *trigger)
 {
     if (trigger->state == OPMS_TRIGGER_PAIRED) {
-        return trigger->frame_id == frame->id ? PAIR_VERDICT_DUPLICATE : PAIR_VERDICT_ALONE;
+        if (trigger->frame_id != frame->id) {
+            return PAIR_VERDICT_ALONE;
+        }
+        /* A copy has the very same stamp. Nearly the same: a camera that has started anew. */
+        return trigger->frame_camera_ns == frame->camera_ns ? PAIR_VERDICT_DUPLICATE
+                                                            : PAIR_VERDICT_CONTRADICTS;
     }
     return trigger->state != OPMS_TRIGGER_NONE || is_too_late(pairer, frame)
                ? PAIR_VERDICT_STALE

@@ -68,9 +68,9 @@ static void take_lock(opms_pairer_t *pairer, const pair_candidate_t *found, int 
     const int changed = !lock->ever || found->offset != lock->offset;
     take_camera_clock(pairer, found, pair_ring_at(&pairer->triggers, newest_number)->box_ns);
     if (changed) {
+        pair_leave_supported(pairer, found->first->id - found->offset);
         take_offset(pairer, found);
         lock->first_id = found->first->id + (by_pattern ? 0 : 1);
-        pair_bar_supported(pairer, NULL);
         if (by_arrival && !by_pattern) {
             bar_before(pairer, pairer->options.camera.has_strobe ? found->first->slot + 1
                                                                  : pairer->frames.head);

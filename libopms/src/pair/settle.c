@@ -46,12 +46,10 @@ static void act(opms_pairer_t *pairer, uint64_t slot, pair_verdict_t verdict, in
         return;
     case PAIR_VERDICT_DUPLICATE:
     case PAIR_VERDICT_STALE:
-        if (has_two_witnesses(frame)) { /* late, but what the lock expects */
-            pair_emit_frame(pairer, frame, verdict == PAIR_VERDICT_STALE ? OPMS_FRAME_STALE
-                                                                         : OPMS_FRAME_DUPLICATE);
-            return;
-        }
         frame->phase = verdict == PAIR_VERDICT_STALE ? PAIR_PHASE_STALE : PAIR_PHASE_TWICE;
+        if (has_two_witnesses(frame)) {
+            return; /* late, but what the lock expects */
+        }
         break;
     case PAIR_VERDICT_TRIGGER:
         frame->phase = PAIR_PHASE_TRIGGER;

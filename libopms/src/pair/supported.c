@@ -13,6 +13,7 @@ void pair_commit(opms_pairer_t *pairer, pair_frame_t *frame)
     pair_lock_t *lock = &pairer->lock;
     trigger->state = OPMS_TRIGGER_PAIRED;
     trigger->frame_id = frame->id;
+    trigger->frame_camera_ns = frame->camera_ns;
     frame->evidence.witnesses |= lock->witnesses & OPMS_WITNESS_PREAMBLE;
     if (frame->has_camera && pairer->camera.valid) {
         pair_camera_clock_learn(&pairer->camera, frame->camera_ns, trigger->box_ns);
@@ -119,16 +120,29 @@ static int competes(const opms_pairer_t *pairer, const pair_frame_t *frame,
            pair_judge_delay(pairer, frame->arrival_box_ns - trigger->box_ns) == PAIR_ON_TIME;
 }
 
+static void end_supported(opms_pairer_t *pairer, pair_frame_t *frame, int is_alone)
+{
+    if (is_alone && follows_a_pair(pairer, frame)) {
+        commit_or_bar(pairer, frame);
+    } else {
+        frame->phase = PAIR_PHASE_BARRED;
+    }
+}
+
 void pair_bar_supported(opms_pairer_t *pairer, const pair_frame_t *contradicting)
 {
     for (uint32_t i = 0; i < pairer->supported_count; ++i) {
         pair_frame_t *frame = supported_at(pairer, i);
-        if (contradicting && follows_a_pair(pairer, frame) &&
-            !competes(pairer, contradicting, frame)) {
-            commit_or_bar(pairer, frame);
-        } else {
-            frame->phase = PAIR_PHASE_BARRED;
-        }
+        end_supported(pairer, frame, !competes(pairer, contradicting, frame));
+    }
+    pairer->supported_count = 0;
+}
+
+void pair_leave_supported(opms_pairer_t *pairer, int64_t from_number)
+{
+    for (uint32_t i = 0; i < pairer->supported_count; ++i) {
+        pair_frame_t *frame = supported_at(pairer, i);
+        end_supported(pairer, frame, frame->evidence.number < from_number);
     }
     pairer->supported_count = 0;
 }
@@ -141,11 +155,7 @@ void pair_end_supported(opms_pairer_t *pairer, int64_t number)
             continue;
         }
         take_out(pairer, i);
-        if (follows_a_pair(pairer, frame)) {
-            commit_or_bar(pairer, frame);
-        } else {
-            frame->phase = PAIR_PHASE_BARRED;
-        }
+        end_supported(pairer, frame, 1);
         return;
     }
 }

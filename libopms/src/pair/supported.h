@@ -18,9 +18,11 @@ void pair_support(opms_pairer_t *pairer, uint64_t slot);
 
 /** A frame contradicts: those that were not confirmed will not be, but for a frame that follows
  * right upon a pair. Nothing comes between the two ids; only an extra frame could pretend to be the
- * next one, and then this trigger's own frame comes in its place.
- * @param contradicting  NULL: no exception. */
+ * next one, and then this trigger's own frame comes in its place. */
 void pair_bar_supported(opms_pairer_t *pairer, const pair_frame_t *contradicting);
+
+/** A new offset holds from this trigger on: the same for the frames before it. */
+void pair_leave_supported(opms_pairer_t *pairer, int64_t from_number);
 
 /** The time of a trigger, or its frame's, is over: nothing contradicted. Where the frame before it
  * was paired with the trigger before it, that makes the pair. */

@@ -24,7 +24,7 @@ typedef struct pair_trigger {
     int64_t box_ns; /* where it is not known: at or before the true one, and never falling */
     int64_t seen_host_ns; /* when the host first knew that it exists */
     int64_t strobe_delay_ns, strobe_length_ns;
-    int64_t frame_id; /* of the frame that it was paired with */
+    int64_t frame_id, frame_camera_ns; /* of the frame that it was paired with */
     uint8_t source;   /* pair_source_t */
     uint8_t strobe;   /* pair_strobe_t */
     uint8_t state;    /* opms_trigger_state_t; NONE: it waits */

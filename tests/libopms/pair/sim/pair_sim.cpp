@@ -98,8 +98,10 @@ void print_figures(Profile profile, const Figures &f)
                 (unsigned long long)f.wrong_missing, (unsigned long long)f.wrong_orphans);
     std::printf("  pairable %llu, of them paired %.4f %%\n", (unsigned long long)f.pairable,
                 100 * double(f.pairable_paired) / double(f.pairable));
-    std::printf("  lock lost %llu times; undisturbed frames to a new one: at most %llu\n",
-                (unsigned long long)f.locks_lost, (unsigned long long)f.frames_to_lock);
+    std::printf("  lock lost %llu times; undisturbed frames to a new one: at most %llu "
+                "(%llu times more than 10)\n",
+                (unsigned long long)f.locks_lost, (unsigned long long)f.frames_to_lock,
+                (unsigned long long)f.slow_locks);
     std::printf("  %.0f ns a trigger, all its inputs included\n",
                 double(f.spent_ns) / double(f.triggers));
 }

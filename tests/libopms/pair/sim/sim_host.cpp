@@ -33,9 +33,10 @@ struct Event {
 class Host {
 public:
     Host(Profile profile, Session &session, const BoxState &next_box, Subject &subject,
-         std::vector<bool> &delivered, Faults &faults, Random &random, Figures &figures)
+         std::vector<bool> &delivered, bool delays_learnt, Faults &faults, Random &random,
+         Figures &figures)
         : profile_(profile), session_(session), next_box_(next_box), subject_(subject),
-          delivered_(delivered), faults_(faults), random_(random), figures_(figures)
+          delivered_(delivered), delays_learnt_(delays_learnt), faults_(faults), random_(random), figures_(figures)
     {
     }
 
@@ -213,7 +214,9 @@ private:
         frame.arrival_host_ns = delivery.at;
         frame.tag = uint64_t(session_.id) << 32 | index;
         subject_.frame(frame);
-        watch_.see(session_, delivery, subject_.locked(), figures_);
+        if (delays_learnt_) {
+            watch_.see(session_, delivery, subject_.locked(), figures_);
+        }
     }
 
     void handle(const Event &event)
@@ -300,6 +303,7 @@ private:
     const BoxState &next_box_;
     Subject &subject_;
     std::vector<bool> &delivered_;
+    bool delays_learnt_;
     Faults &faults_;
     Random &random_;
     Figures &figures_;
@@ -314,6 +318,8 @@ void run_session(Profile profile, Session &session, const BoxState &next_box, Su
                  std::vector<bool> &delivered, bool &delays_learnt, Faults &faults,
                  Random &random, Figures &figures)
 {
-    Host(profile, session, next_box, subject, delivered, faults, random, figures).run();
+    Host(profile, session, next_box, subject, delivered, delays_learnt, faults, random,
+         figures)
+        .run();
     judge_session(profile, session, delays_learnt, figures);
 }

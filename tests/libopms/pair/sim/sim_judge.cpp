@@ -292,7 +292,10 @@ void judge_session(Profile profile, Session &session, bool &delays_learnt, Figur
 void LockWatch::see(const Session &session, const Delivery &delivery, bool locked,
                     Figures &figures)
 {
-    figures.locks_lost += was_locked_ && !locked;
+    if (was_locked_ && !locked) {
+        ++figures.locks_lost;
+        row_ = 0;
+    }
     if (was_locked_ != locked && std::getenv("OPMS_SIM_VERBOSE")) {
         std::printf("  %s at %.3f s, frame %zu of trigger %d\n", locked ? "locked" : "lock lost",
                     double(delivery.at - session.armed_at) / 1e9,
@@ -317,6 +320,11 @@ void LockWatch::see(const Session &session, const Delivery &delivery, bool locke
         figures.frames_to_lock = std::max(figures.frames_to_lock, row_);
         if (row_ > 10 && !counted_) {
             ++figures.slow_locks;
+            if (std::getenv("OPMS_SIM_VERBOSE")) {
+                std::printf("  slow lock: session %u trigger %d at %.3f s\n", unsigned(session.id),
+                            delivery.frame.trigger,
+                            double(delivery.at - session.armed_at) / 1e9);
+            }
             counted_ = true;
         }
     }
