@@ -59,6 +59,15 @@ static void read_header(opms_pairer_t *pairer, const opms_frame_t *header, pair_
         (uint8_t)read_arrival(pairer, header->arrival_host_ns, &frame->arrival_box_ns);
 }
 
+/** Is this the id of a frame that was paired, by the lock as it is or was last? */
+static int has_paired_id(const opms_pairer_t *pairer, const pair_frame_t *frame)
+{
+    const pair_trigger_t *trigger =
+        pair_ring_at(&pairer->triggers, frame->id - pairer->lock.offset);
+    return pairer->lock.ever && trigger && trigger->state == OPMS_TRIGGER_PAIRED &&
+           trigger->frame_id == frame->id;
+}
+
 /** Did this frame come before? Where the camera's time is the same, too, that is certain; an id
  * alone may be one that the camera counts for the second time. */
 static int comes_twice(opms_pairer_t *pairer, pair_frame_t *frame)
@@ -73,7 +82,8 @@ static int comes_twice(opms_pairer_t *pairer, pair_frame_t *frame)
     if (same_id && frame->has_camera && same_time) {
         return 1;
     }
-    frame->seen_before = same_id && !frame->has_camera && since_ns < SEEN_AGAIN_MAX_NS;
+    frame->seen_before = !frame->has_camera && ((same_id && since_ns < SEEN_AGAIN_MAX_NS) ||
+                                                has_paired_id(pairer, frame));
     *last = (pair_sighting_t){1, frame->frame.frame_id, frame->frame.camera_time_ticks,
                               frame->frame.arrival_host_ns};
     return 0;

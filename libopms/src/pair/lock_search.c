@@ -21,6 +21,13 @@ static uint32_t recent_frames(const opms_pairer_t *pairer)
     return pairer->recent_count < PAIR_RECENT ? (uint32_t)pairer->recent_count : PAIR_RECENT;
 }
 
+/** Is what exposed it not reported yet? Then it says nothing, for now. */
+static int is_ahead(const opms_pairer_t *pairer, int64_t box_ns)
+{
+    const pair_trigger_t *last = pair_ring_timed(&pairer->triggers, pairer->triggers.known_last);
+    return last && box_ns > last->box_ns + pairer->min_gap_ns / 2;
+}
+
 int pair_seek_by_camera(const opms_pairer_t *pairer, pair_candidate_t *found)
 {
     const pair_camera_clock_t *camera = &pairer->camera;
@@ -33,6 +40,9 @@ int pair_seek_by_camera(const opms_pairer_t *pairer, pair_candidate_t *found)
             continue; /* late ones and copies say nothing of what is now */
         }
         const int64_t box_ns = pair_camera_clock_box(camera, seen->camera_ns);
+        if (is_ahead(pairer, box_ns)) {
+            continue;
+        }
         int64_t number = 0;
         const pair_trigger_t *trigger = pair_ring_nearest(&pairer->triggers, box_ns, &number);
         if (!trigger || llabs(box_ns - trigger->box_ns) >
@@ -121,7 +131,12 @@ int pair_seek_by_arrival(const opms_pairer_t *pairer, int with_copies, pair_cand
     *found = (pair_candidate_t){.witnesses = OPMS_WITNESS_FRAME_ID | OPMS_WITNESS_ARRIVAL};
     for (uint32_t i = 0; pairer->floor.known && i < recent_frames(pairer); ++i) {
         const pair_seen_t *seen = pair_recent(pairer, i);
-        if ((seen->seen_before && !with_copies) || !seen->has_id || !seen->has_arrival) {
+        if (i == 0 && seen->seen_before && !with_copies) {
+            return 0; /* what is now counts, and this may be it */
+        }
+        if ((seen->seen_before && !with_copies) || !seen->has_id || !seen->has_arrival ||
+            (!found->newest &&
+             is_ahead(pairer, seen->arrival_box_ns - pair_floor_ns(&pairer->floor)))) {
             continue;
         }
         pair_timing_t timing = PAIR_ON_TIME;

@@ -11,7 +11,7 @@
 #include "pair/trigger_ring.h"
 #include "pair/unwrap.h"
 
-#define PAIR_RECENT 16   /* last frames that a lock is sought in */
+#define PAIR_RECENT 32   /* last frames that a lock is sought in */
 #define PAIR_SEGMENTS 8  /* past locks whose offset late frames may still show */
 #define PAIR_SUPPORTED 8 /* frames on time that wait for the next one */
 #define PAIR_SIGHTINGS 256 /* last frames by their id, for what comes twice */

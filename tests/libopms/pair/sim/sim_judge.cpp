@@ -119,6 +119,10 @@ struct Row {
     int preamble = 0; ///< of them: the preamble's frames that came on time, known by its gaps
     bool established = false;
 
+    size_t first_on_time() const
+    {
+        return size_t(std::find(on_time.begin(), on_time.end(), true) - on_time.begin());
+    }
     bool shows_itself(bool delays_learnt) const
     {
         const size_t n = members.size();
@@ -187,11 +191,9 @@ private:
             note_clock(delivery.frame.epoch, session_.frames[row.members.front()]);
             // What came before the lock counts where a strobe or the preamble helps.
             const bool before = by_preamble || profile_ == STROBE_ONLY;
-            for (size_t k = 1; before && k < row.members.size(); ++k) {
+            const size_t shown = by_preamble ? 0 : row.first_on_time() + 1;
+            for (size_t k = shown; before && k < row.members.size(); ++k) {
                 mark_on_time(row.members[k]);
-            }
-            if (by_preamble) {
-                mark_on_time(row.members.front());
             }
         } else if (row.established) {
             mark_on_time(i);
