@@ -65,6 +65,7 @@ static void arm(void)
     take_edges();
     edge_order_armed(&order, box_settings(&box), cycle_clock_now());
     pulse_generator_arm(box_settings(&box));
+    take_edges();
 }
 
 static void stop(void)
@@ -80,6 +81,7 @@ static void finish_stop(void)
     stopping = false;
     take_edges();
     edge_order_stopped(&order, cycle_clock_now());
+    take_edges();
 }
 
 static void store_settings(void)
@@ -143,13 +145,13 @@ int main(void)
     start_up();
     for (;;) {
         box_reset_feed_watchdog();
+        usb_link_work();
+        act(box_take_actions(&box));
         take_edges();
         finish_stop();
         box_cycles_t now = cycle_clock_now();
         box_tick(&box, now);
-        act(box_take_actions(&box));
         box_lines_set_led(box_led(&box, now));
-        usb_link_work();
         sleep_until_work();
     }
 }

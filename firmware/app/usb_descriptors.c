@@ -76,8 +76,7 @@ uint8_t const *tud_descriptor_device_cb(void)
 
 uint8_t const *tud_descriptor_configuration_cb(uint8_t index)
 {
-    (void)index;
-    return configuration_descriptor;
+    return index == 0 ? configuration_descriptor : NULL;
 }
 
 uint8_t const *tud_hid_descriptor_report_cb(uint8_t instance)

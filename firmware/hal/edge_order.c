@@ -3,8 +3,13 @@
 
 #include <string.h>
 
-/* START's tags are exact to two cycles; a generator may see a line one look earlier or later. */
-#define TOLERANCE 4U
+/* Pulses are tagged to the cycle, START to two. */
+#define TOLERANCE 1U
+
+/* Two pulses that are closer than this have one tag. */
+#define TAGGERS_DEAD_TIME 10U
+/* After this long a tag has arrived. */
+#define SETTLED (10U * OPMS_BOX_CYCLES_PER_US)
 
 /* A candidate that cannot come yet. */
 #define NEVER UINT64_MAX
@@ -15,6 +20,24 @@ void edge_order_init(edge_order_t *order, const edge_source_t *source,
     memset(order, 0, sizeof *order);
     order->source = source;
     order->debounce_cycles = settings->debounce_cycles;
+}
+
+/* Bring the next two pulses into sight. */
+static void hold_pulses(edge_order_t *order)
+{
+    while (order->pulses_held < 2 &&
+           order->source->peek_pulse(&order->pulses[order->pulses_held])) {
+        order->source->drop_pulse();
+        order->pulses_held++;
+    }
+}
+
+static edge_pulse_t take_pulse(edge_order_t *order)
+{
+    edge_pulse_t pulse = order->pulses[0];
+    order->pulses[0] = order->pulses[1];
+    order->pulses_held--;
+    return pulse;
 }
 
 static void forget_line(edge_order_t *order, edge_line_t line, edge_high_t *high)
@@ -29,14 +52,11 @@ static void forget_line(edge_order_t *order, edge_line_t line, edge_high_t *high
 
 void edge_order_set_lines(edge_order_t *order, const opms_settings_t *settings)
 {
-    edge_pulse_t pulse;
     order->debounce_cycles = settings->debounce_cycles;
     forget_line(order, EDGE_LINE_START, &order->start);
     forget_line(order, EDGE_LINE_STROBE, &order->strobe);
-    while (order->source->peek_pulse(&pulse)) {
-        order->last_number = pulse.number;
-        order->source->drop_pulse();
-    }
+    for (hold_pulses(order); order->pulses_held != 0; hold_pulses(order))
+        order->last_number = take_pulse(order).number;
 }
 
 static void plan_preamble(edge_order_t *order, const opms_settings_t *settings)
@@ -108,20 +128,35 @@ static bool is_on_schedule(const edge_order_t *order, uint32_t number, box_cycle
     return number == 1 || is_near(time, order->first_pulse + order->preamble_at[number - 1]);
 }
 
-/* Did the high that is in sight make this pulse? */
-static bool is_of_start(const edge_order_t *order, box_cycles_t pulse)
+typedef enum pulse_kind { PULSE_PLAIN, PULSE_BEGINS_RUN, PULSE_UNDECIDED } pulse_kind_t;
+
+/* A pulse that is due in the preamble, and just before the one that START makes: where START cut
+ * it right after its edge, and the debounce is nearly 0, both may have this one tag. */
+static pulse_kind_t judge_close_pulse(const edge_order_t *order, box_cycles_t now)
 {
-    const edge_high_t *high = &order->start;
-    return high->seen &&
-           is_near(pulse, high->rise + order->debounce_cycles + OPMS_BOX_START_CYCLES);
+    const edge_pulse_t *pulses = order->pulses;
+    if (order->pulses_held == 2) {
+        bool another = pulses[1].time - pulses[0].time <= TAGGERS_DEAD_TIME + 2 * TOLERANCE;
+        return another ? PULSE_PLAIN : PULSE_BEGINS_RUN;
+    }
+    return now < pulses[0].time + SETTLED ? PULSE_UNDECIDED : PULSE_BEGINS_RUN;
 }
 
-static bool begins_run(const edge_order_t *order, const edge_pulse_t *pulse)
+static pulse_kind_t judge_pulse(const edge_order_t *order, box_cycles_t now)
 {
+    const edge_pulse_t *pulse = &order->pulses[0];
     if (!order->listening || order->armed_due)
-        return false;
-    return is_of_start(order, pulse->time) ||
-           !is_on_schedule(order, pulse->number - order->armed_number, pulse->time);
+        return PULSE_PLAIN;
+    if (!is_on_schedule(order, pulse->number - order->armed_number, pulse->time))
+        return PULSE_BEGINS_RUN;
+    if (!order->start.seen)
+        return PULSE_PLAIN;
+    box_cycles_t due = order->start.rise + order->debounce_cycles + OPMS_BOX_START_CYCLES;
+    if (is_near(pulse->time, due))
+        return PULSE_BEGINS_RUN;
+    if (pulse->time < due && due - pulse->time <= TAGGERS_DEAD_TIME)
+        return judge_close_pulse(order, now);
+    return PULSE_PLAIN;
 }
 
 /* --- candidates ------------------------------------------------------------------------------- */
@@ -179,9 +214,8 @@ static void tell_stopped(edge_order_t *order, box_input_t *input)
  * the end of its debounce belong to it. */
 static void tell_start_of_run(edge_order_t *order, box_input_t *input)
 {
-    edge_pulse_t pulse;
-    order->source->peek_pulse(&pulse);
-    order->start_edge = pulse.time - OPMS_BOX_START_CYCLES - order->debounce_cycles;
+    order->start_edge =
+        order->pulses[0].time - OPMS_BOX_START_CYCLES - order->debounce_cycles;
     order->start_told = true;
     order->listening = false;
     input->kind = BOX_INPUT_START;
@@ -190,9 +224,7 @@ static void tell_start_of_run(edge_order_t *order, box_input_t *input)
 
 static void tell_pulse(edge_order_t *order, box_input_t *input)
 {
-    edge_pulse_t pulse;
-    order->source->peek_pulse(&pulse);
-    order->source->drop_pulse();
+    edge_pulse_t pulse = take_pulse(order);
     order->last_number = pulse.number;
     input->kind = BOX_INPUT_PULSE;
     input->time = pulse.time;
@@ -201,21 +233,26 @@ static void tell_pulse(edge_order_t *order, box_input_t *input)
         order->first_pulse = pulse.time;
 }
 
-static candidate_t pulse_candidate(const edge_order_t *order)
+static candidate_t pulse_candidate(const edge_order_t *order, box_cycles_t now)
 {
-    edge_pulse_t pulse;
-    if (!order->source->peek_pulse(&pulse))
+    if (order->pulses_held == 0)
         return (candidate_t){NEVER, NULL};
-    if (begins_run(order, &pulse))
-        return (candidate_t){pulse.time - OPMS_BOX_START_CYCLES - TOLERANCE, tell_start_of_run};
-    return (candidate_t){pulse.time, tell_pulse};
+    box_cycles_t time = order->pulses[0].time;
+    switch (judge_pulse(order, now)) {
+    case PULSE_PLAIN:
+        return (candidate_t){time, tell_pulse};
+    case PULSE_BEGINS_RUN:
+        return (candidate_t){time - OPMS_BOX_START_CYCLES - 2 * TOLERANCE, tell_start_of_run};
+    case PULSE_UNDECIDED:
+        break;
+    }
+    return (candidate_t){NEVER, NULL};
 }
 
 /* While the generator listens, a high is a START if a pulse says so, else a glitch at its end. */
 static candidate_t start_while_listening(const edge_high_t *high, box_cycles_t now)
 {
-    box_cycles_t settled = high->fall + OPMS_BOX_CYCLES_PER_US * 10U;
-    if (!high->fallen || now < settled)
+    if (!high->fallen || now < high->fall + SETTLED)
         return (candidate_t){NEVER, NULL};
     return (candidate_t){high->fall, tell_glitch};
 }
@@ -259,7 +296,7 @@ static void absorb_start(edge_order_t *order)
 {
     edge_high_t *high = &order->start;
     if (!order->start_told || !high->seen || high->told ||
-        high->rise > order->start_edge + order->debounce_cycles + TOLERANCE)
+        high->rise > order->start_edge + order->debounce_cycles + 2 * TOLERANCE)
         return;
     high->told = true;
     if (high->fallen)
@@ -273,8 +310,9 @@ bool edge_order_next(edge_order_t *order, box_cycles_t now, box_input_t *input)
         absorb_start(order);
     } while (!order->start.seen && order->source->peek_level(EDGE_LINE_START, &(edge_level_t){0}));
     follow_line(order, EDGE_LINE_STROBE, &order->strobe);
+    hold_pulses(order);
     const candidate_t candidates[] = {
-        pulse_candidate(order),
+        pulse_candidate(order, now),
         start_candidate(order, now),
         strobe_candidate(order),
         marker_candidate(order),

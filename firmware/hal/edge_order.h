@@ -31,6 +31,8 @@ typedef struct edge_order {
     const edge_source_t *source;
     uint32_t debounce_cycles;
     edge_high_t start, strobe;
+    edge_pulse_t pulses[2]; /* the next ones */
+    uint32_t pulses_held;
 
     bool listening;   /* armed, and the run's first pulse has not come */
     uint32_t last_number;  /* hardware's count of the last pulse */

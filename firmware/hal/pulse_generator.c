@@ -20,7 +20,7 @@
 /* What the programs need beyond the counts that they are given; see trigger.pio. */
 #define WIDTH_OVERHEAD 4U
 #define LOW_OVERHEAD 4U
-#define GAP_OVERHEAD 6U
+#define GAP_OVERHEAD 7U
 #define SYNC_HIGH_OVERHEAD 3U
 #define SYNC_LOW_OVERHEAD 3U
 
@@ -84,10 +84,12 @@ static uint32_t patch_debounce(uint32_t debounce_cycles)
         looks = (debounce_cycles - 4) / 2;
         armed |= (uint16_t)pio_encode_delay(1);
     }
-    pio0->instr_mem[generator_at + generator_offset_sample] = sample;
+    uint16_t low = (uint16_t)pio_encode_sideset_opt(1, 0);
+    if (debounce_cycles != 0)
+        stay |= low;
+    pio0->instr_mem[generator_at + generator_offset_sample] = sample | low;
     pio0->instr_mem[generator_at + generator_offset_armed] = armed;
-    pio0->instr_mem[generator_at + generator_offset_counted] =
-        (uint16_t)(counted | pio_encode_sideset_opt(1, 0));
+    pio0->instr_mem[generator_at + generator_offset_counted] = counted | low;
     pio0->instr_mem[generator_at + generator_offset_stays] = stay;
     return looks;
 }
@@ -112,6 +114,7 @@ static void set_up_preamble(const opms_settings_t *settings)
 {
     uint32_t width = settings->width_us * OPMS_BOX_CYCLES_PER_US;
     pio_sm_config config = preamble_program_get_default_config(preamble_at);
+    sm_config_set_in_pins(&config, PIN_START);
     sm_config_set_set_pins(&config, PIN_TRIG, 1);
     sm_config_set_fifo_join(&config, PIO_FIFO_JOIN_TX);
     pio_sm_init(pio0, MACHINE_PREAMBLE, preamble_at + preamble_offset_begin, &config);
@@ -120,6 +123,14 @@ static void set_up_preamble(const opms_settings_t *settings)
         pio_sm_put(pio0, MACHINE_PREAMBLE,
                    settings->preamble_gap_ms[gap] * 1000U * OPMS_BOX_CYCLES_PER_US - width -
                        GAP_OVERHEAD);
+}
+
+/* A START that is high before the box is armed must not keep the preamble back. */
+static void patch_hold(void)
+{
+    bool is_high = gpio_get(PIN_START);
+    pio0->instr_mem[preamble_at + preamble_offset_hold] =
+        (uint16_t)(is_high ? pio_encode_nop() : pio_encode_wait_pin(false, 0));
 }
 
 static void set_up_sync(opms_sync_mode_t mode)
@@ -140,6 +151,7 @@ void pulse_generator_arm(const opms_settings_t *settings)
     set_up_generator(settings);
     if (settings->preamble_gap_ms[0] != 0) {
         set_up_preamble(settings);
+        patch_hold();
         machines |= 1U << MACHINE_PREAMBLE;
     }
     if (settings->sync != OPMS_SYNC_OFF) {

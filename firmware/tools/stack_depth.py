@@ -23,8 +23,8 @@ INDIRECT = {
     "find_newest": FLASH_CALLS, "is_blank": FLASH_CALLS, "write_record": FLASH_CALLS,
     "write_in_sector": FLASH_CALLS, "settings_store_save": FLASH_CALLS,
     "settings_store_load": FLASH_CALLS,
-    "follow_line": EDGE_CALLS, "forget_line": EDGE_CALLS, "tell_pulse": EDGE_CALLS,
-    "tell_start_of_run": EDGE_CALLS, "edge_order_set_lines": EDGE_CALLS,
+    "follow_line": EDGE_CALLS, "forget_line": EDGE_CALLS, "hold_pulses": EDGE_CALLS,
+    "edge_order_set_lines": EDGE_CALLS,
     "edge_order_next": EDGE_CALLS + [
         "tell_start_line", "tell_glitch", "tell_strobe", "tell_armed", "tell_stopped",
         "tell_start_of_run", "tell_pulse"],
