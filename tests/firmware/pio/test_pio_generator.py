@@ -66,6 +66,15 @@ class Preamble(unittest.TestCase):
         self.assertEqual([b - a for a, b in zip(rises, falls)], [WIDTH] * 5)
 
 
+    def test_no_pulse_begins_while_start_is_high(self):
+        states = run(load("preamble"), begin="begin", cycles=20000, edges=[2900, 3300, 6000],
+                     pin=START, registers={"isr": WIDTH - 4, "fifo": [3000 - WIDTH - 7] * 3})
+        rises = [cycle for cycle, level in edges_of(states, TRIG) if level]
+        # The second pulse waits for the glitch's end, the third for ever: the run has begun.
+        self.assertEqual(len(rises), 2)
+        self.assertEqual(rises[1], 3300 + SYNCHRONISER + 3)
+
+
 class Sync(unittest.TestCase):
     def test_width_and_period_are_exact(self):
         states = run(load("sync"), begin="begin", cycles=3 * PERIOD, edges=[], pin=START,
