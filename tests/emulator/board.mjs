@@ -44,6 +44,7 @@ export class Board {
     pulseRunPin() {
         const ram = this.chip.mcu.sram;
         this.#stopChip();
+        this.onAttach(false);
         this.#start({ resetCause: HAD_RUN, ram, watchdog: coldWatchdog() });
     }
 

@@ -47,6 +47,12 @@ export function loadFirmware(path = defaultFirmware) {
     return { path, image, sha256: createHash('sha256').update(image).digest('hex') };
 }
 
+/** The same program in the other form: the .bin that lies beside a .uf2, or the other way. */
+export function firmwareBeside(path) {
+    const suffix = extname(path);
+    return path.slice(0, -suffix.length) + (suffix === '.uf2' ? '.bin' : '.uf2');
+}
+
 /** Pins by name, from the one file that says so. */
 export function boardPins() {
     const text = readFileSync(join(repository, 'firmware', 'app', 'board_pins.h'), 'utf8');
