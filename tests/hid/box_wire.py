@@ -59,7 +59,8 @@ def status(boot, session, report_number, state=IDLE, uptime_us=0, number=0, firs
                          54: struct.pack("<H", crc16(settings))})
 
 
-def event(boot, session, report_number, event_number, kind, state, time_ns=0, argument=0, detail=0):
+def event(boot, session, report_number, event_number, kind, state, time_ns=0, argument=0,
+          detail=0):
     return seal(EVENT, {2: struct.pack("<BBIIII", kind, state, boot, session, report_number,
                                        event_number),
                         20: struct.pack("<QB", time_ns // 1000, time_ns % 1000 // 8),

@@ -36,7 +36,8 @@ static void print_item(void *user, const opms_box_item_t *item)
                (int)item->as.event.kind, item->as.event.argument);
         break;
     case OPMS_ITEM_HISTORY:
-        printf("{\"item\":\"history\",\"session\":%u,\"number\":%u,\"flags\":%u,\"time_ns\":%lld}\n",
+        printf("{\"item\":\"history\",\"session\":%u,\"number\":%u,\"flags\":%u,"
+               "\"time_ns\":%lld}\n",
                item->as.history.session_id, item->as.history.entry.number,
                (unsigned)item->as.history.entry.flags,
                (long long)opms_box_time_ns(item->as.history.entry.time));
