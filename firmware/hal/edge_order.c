@@ -296,7 +296,7 @@ static void absorb_start(edge_order_t *order)
 {
     edge_high_t *high = &order->start;
     if (!order->start_told || !high->seen || high->told ||
-        high->rise > order->start_edge + order->debounce_cycles + 2 * TOLERANCE)
+        high->rise > order->start_edge + order->debounce_cycles + TAGGERS_DEAD_TIME)
         return;
     high->told = true;
     if (high->fallen)
