@@ -2,6 +2,7 @@
 #include "pair/arrival_floor.h"
 
 #define BLOCK 64
+#define BLOCK_ALIKE 48
 #define SLACK_MAX_NS 2000000  /* the host's clock is known to better than 1 ms */
 #define WINDOW_MAX_NS 20000000
 
@@ -10,13 +11,40 @@ static int64_t least(int64_t a, int64_t b)
     return a < b ? a : b;
 }
 
-void pair_floor_learn(pair_floor_t *floor, int64_t delay_ns)
+static void start(pair_floor_t *floor, int64_t delay_ns)
 {
-    if (!floor->known) {
-        floor->known = 1;
-        floor->in_block = 0;
-        floor->now_ns = floor->before_ns = delay_ns;
+    *floor = (pair_floor_t){.known = 1, .now_ns = delay_ns, .before_ns = delay_ns};
+}
+
+/** A block of late ones, most of them late by the same, is the new delay. */
+static void learn_late(pair_floor_t *floor, int64_t delay_ns, int64_t window_ns)
+{
+    if (floor->late == 0 || delay_ns < floor->late_least_ns - window_ns) {
+        floor->late_alike = 0;
     }
+    if (floor->late == 0 || delay_ns < floor->late_least_ns) {
+        floor->late_least_ns = delay_ns;
+    }
+    floor->late_alike += delay_ns <= floor->late_least_ns + window_ns;
+    if (++floor->late < BLOCK) {
+        return;
+    }
+    if (floor->late_alike >= BLOCK_ALIKE) {
+        start(floor, floor->late_least_ns);
+    }
+    floor->late = 0;
+}
+
+void pair_floor_learn(pair_floor_t *floor, int64_t delay_ns, int64_t min_gap_ns)
+{
+    const int64_t window_ns = pair_window_ns(min_gap_ns);
+    if (!floor->known) {
+        start(floor, delay_ns);
+    } else if (delay_ns > pair_floor_ns(floor) + window_ns) {
+        learn_late(floor, delay_ns, window_ns);
+        return;
+    }
+    floor->late = 0;
     floor->now_ns = floor->in_block == 0 ? delay_ns : least(floor->now_ns, delay_ns);
     if (++floor->in_block == BLOCK) {
         floor->before_ns = floor->now_ns;

@@ -6,6 +6,7 @@
  * drift. */
 #include <opms/clock.h>
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -16,9 +17,7 @@
 #define WALL_STEP_NS 1000000    /* what counts as a step and not as the time between two reads */
 #define REFUSED_IN_A_ROW_MAX 16 /* then it is the line that is wrong */
 #define GATE_SLACK_NS 50000     /* two reads of a clock are never closer for certain */
-#define SLOW_FACTOR 4           /* a trip so much longer than the fastest tells nothing ... */
-#define SLOW_FLOOR_NS 1000000
-#define SLOW_DRIFT 100e-6       /* ... until the line has run on by itself for long */
+#define SLOW_DRIFT 100e-6       /* what the line may be off after running on by itself */
 
 struct opms_clock {
     opms_clock_options_t options;
@@ -161,9 +160,9 @@ static int is_slow(const opms_clock_t *clock, const pair_trip_t *trip)
     if (clock->fit.state == OPMS_CLOCK_UNKNOWN) {
         return 0;
     }
-    const double age_ns = (double)llabs(trip->host_ns - clock->fit.newest_host_ns);
-    return (double)trip->length_ns >
-           SLOW_FACTOR * (double)(clock->line.shortest_ns + SLOW_FLOOR_NS) + SLOW_DRIFT * age_ns;
+    const int64_t age_ns = llabs(trip->host_ns - clock->fit.newest_host_ns);
+    return pair_trip_is_slow(trip->length_ns - llround(SLOW_DRIFT * (double)age_ns),
+                             clock->line.shortest_ns);
 }
 
 static void refit(opms_clock_t *clock, int64_t newest_host_ns)

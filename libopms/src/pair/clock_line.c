@@ -120,6 +120,9 @@ void pair_line_fit(pair_line_t *line, const pair_trip_t *trips, uint32_t count, 
 {
     uint32_t chosen[OPMS_CLOCK_WINDOW_MAX] = {0};
     uint32_t used = take_shortest(trips, count, best, chosen);
+    while (pair_trip_is_slow(trips[chosen[used - 1]].length_ns, trips[chosen[0]].length_ns)) {
+        --used;
+    }
     put_line(line, trips, chosen, used, slope_max);
     while (line->has_slope && used > TRIPS_FOR_A_SLOPE &&
            drop_outlier(line, trips, chosen, &used)) {

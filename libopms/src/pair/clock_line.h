@@ -21,6 +21,12 @@ typedef struct pair_line {
     int64_t residual_ns, shortest_ns;
 } pair_line_t;
 
+/** A trip that is so much slower than the fastest would only spoil the line. */
+static inline int pair_trip_is_slow(int64_t length_ns, int64_t shortest_ns)
+{
+    return length_ns / 4 > shortest_ns + 1000000;
+}
+
 /** Fit to the `best` shortest of `count` trips (1 to OPMS_CLOCK_WINDOW_MAX).
  * @param slope_max  A steeper line is not believed: then the slope stays 0. */
 void pair_line_fit(pair_line_t *line, const pair_trip_t *trips, uint32_t count, uint32_t best,

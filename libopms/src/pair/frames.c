@@ -6,7 +6,6 @@
 #include "pair/settle.h"
 
 #define SECOND_NS 1000000000U
-#define SEEN_AGAIN_MAX_NS ((int64_t)8 * SECOND_NS)
 #define CLOCK_BOUND_MAX_NS 1500000 /* less than the slack that arrivals have */
 #define CLOCK_AGE_FITTED_NS ((int64_t)60 * SECOND_NS)
 #define CLOCK_AGE_COARSE_NS ((int64_t)10 * SECOND_NS)
@@ -78,14 +77,11 @@ static int comes_twice(opms_pairer_t *pairer, pair_frame_t *frame)
     pair_sighting_t *last = &pairer->sightings[frame->frame.frame_id % PAIR_SIGHTINGS];
     const int same_id = last->valid && last->frame_id == frame->frame.frame_id;
     const int same_time = last->camera_time_ticks == frame->frame.camera_time_ticks;
-    const int64_t since_ns = frame->frame.arrival_host_ns - last->arrival_host_ns;
     if (same_id && frame->has_camera && same_time) {
         return 1;
     }
-    frame->seen_before = !frame->has_camera && ((same_id && since_ns < SEEN_AGAIN_MAX_NS) ||
-                                                has_paired_id(pairer, frame));
-    *last = (pair_sighting_t){1, frame->frame.frame_id, frame->frame.camera_time_ticks,
-                              frame->frame.arrival_host_ns};
+    frame->seen_before = !frame->has_camera && (same_id || has_paired_id(pairer, frame));
+    *last = (pair_sighting_t){1, frame->frame.frame_id, frame->frame.camera_time_ticks};
     return 0;
 }
 

@@ -76,9 +76,8 @@ static void take_lock(opms_pairer_t *pairer, const pair_candidate_t *found, int 
                                                                  : pairer->frames.head);
         }
     }
-    if (found->has_floor) { /* it needed no delays that were learnt before */
-        pairer->floor = (pair_floor_t){0};
-        pair_floor_learn(&pairer->floor, found->floor_ns);
+    if (found->has_floor && !pairer->floor.known) {
+        pair_floor_learn(&pairer->floor, found->floor_ns, pairer->min_gap_ns);
     }
     lock->ever = 1;
     lock->misses = 0;

@@ -129,11 +129,11 @@ static fit_t lay_upon(const opms_pairer_t *pairer, const window_t *window, int64
 
 static int is_alive(const opms_pairer_t *pairer, const fit_t *fit)
 {
-    const int known_floor = pairer->floor.known && fit->fits > 0;
-    const int floor_fits =
-        !known_floor ||
-        llabs(fit->least_delay_ns - pair_floor_ns(&pairer->floor)) <= FLOOR_TOLERANCE_NS;
-    return floor_fits && fit->misfits <= MISFITS_MAX && fit->fits + fit->unknown >= FITS_ALIVE;
+    /* All may be late, and then only the gaps tell; but none is early. */
+    const int is_early =
+        pairer->floor.known && fit->fits > 0 &&
+        fit->least_delay_ns < pair_floor_ns(&pairer->floor) - FLOOR_TOLERANCE_NS;
+    return !is_early && fit->misfits <= MISFITS_MAX && fit->fits + fit->unknown >= FITS_ALIVE;
 }
 
 int pair_seek_by_pattern(const opms_pairer_t *pairer, pair_candidate_t *found)

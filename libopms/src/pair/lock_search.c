@@ -109,6 +109,9 @@ static int fits_offset(const opms_pairer_t *pairer, const pair_candidate_t *foun
     if (*timing == PAIR_EARLY || seen->arrival_box_ns - trigger->box_ns > pairer->max_wait_ns) {
         return 0;
     }
+    if (trigger->strobe == PAIR_STROBE_ABSENT) {
+        return 0; /* nothing was exposed then */
+    }
     return !seen->has_camera || !found->newest->has_camera ||
            stamps_agree(seen, trigger->box_ns, found->newest, newest->box_ns);
 }

@@ -14,7 +14,7 @@
 #define PAIR_RECENT 32   /* last frames that a lock is sought in */
 #define PAIR_SEGMENTS 8  /* past locks whose offset late frames may still show */
 #define PAIR_SUPPORTED 8 /* frames on time that wait for the next one */
-#define PAIR_SIGHTINGS 256 /* last frames by their id, for what comes twice */
+#define PAIR_SIGHTINGS 512 /* last frames by their id, for what comes twice */
 #define PAIR_NO_NUMBER INT64_MIN
 /* Times of host and box are less than 18 years, those of a camera less than 73: their differences
  * never overflow. */
@@ -73,7 +73,6 @@ typedef struct pair_seen {
 typedef struct pair_sighting {
     int valid;
     uint64_t frame_id, camera_time_ticks;
-    int64_t arrival_host_ns;
 } pair_sighting_t;
 
 /** Numbers over which a frame id offset was seen to hold. */

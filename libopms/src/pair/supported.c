@@ -19,11 +19,7 @@ void pair_commit(opms_pairer_t *pairer, pair_frame_t *frame)
         pair_camera_clock_learn(&pairer->camera, frame->camera_ns, trigger->box_ns);
     }
     if (evidence->known & OPMS_PAIR_HAS_ARRIVAL_DELAY) {
-        const int64_t over_ns = evidence->arrival_delay_ns - pair_floor_ns(&pairer->floor);
-        const int by_camera = (evidence->witnesses & OPMS_WITNESS_CAMERA_TIME) != 0;
-        if (by_camera || over_ns <= pair_window_ns(pairer->min_gap_ns)) {
-            pair_floor_learn(&pairer->floor, evidence->arrival_delay_ns);
-        }
+        pair_floor_learn(&pairer->floor, evidence->arrival_delay_ns, pairer->min_gap_ns);
     }
     pair_segment_t *segment = &lock->segments[lock->segment];
     if (frame->id - evidence->number == segment->offset) {

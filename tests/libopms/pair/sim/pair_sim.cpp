@@ -102,7 +102,7 @@ void print_figures(Profile profile, const Figures &f)
                 "(%llu times more than 10)\n",
                 (unsigned long long)f.locks_lost, (unsigned long long)f.frames_to_lock,
                 (unsigned long long)f.slow_locks);
-    std::printf("  %.0f ns a trigger, all its inputs included\n",
+    std::printf("  %.0f ns a trigger in the pairer, all its inputs included\n",
                 double(f.spent_ns) / double(f.triggers));
 }
 

@@ -25,7 +25,7 @@ public:
     virtual const std::vector<opms_pair_result_t> &take() = 0;
     virtual bool locked() const = 0;
     virtual bool sums_hold() const = 0;
-    /** Nanoseconds spent in it, and triggers that it saw. */
+    /** Nanoseconds of processor time that it takes, without the report parser. */
     virtual int64_t spent_ns() const = 0;
 };
 
