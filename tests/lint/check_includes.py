@@ -11,7 +11,7 @@ import sys
 from pathlib import Path, PurePosixPath
 
 KITS = {"algebra", "image", "lens", "wire"}
-STAGES = {"bar", "calib", "pair", "pose"}
+STAGES = {"bar", "calib", "grid", "pair", "pose"}
 # What a folder of libopms/src may include from other folders of libopms/src.
 MAY_USE = {
     "base": set(),
@@ -29,6 +29,7 @@ AFTER = {
     "wire": set(),  # check_wire() is stricter
     "bar": {"wire.h", "pose.h", "locate.h", "opms.h"},
     "pose": {"wire.h", "locate.h", "opms.h"},
+    "grid": {"wire.h", "bar.h", "pose.h", "calib.h", "locate.h", "opms.h"},
     "calib": {"wire.h", "bar.h", "locate.h", "opms.h"},
     "pair": {"lens.h", "bar.h", "pose.h", "locate.h", "calib.h", "opms.h"},  # wire.h: its input
     "locate": {"wire.h", "pair.h", "clock.h", "opms.h"},

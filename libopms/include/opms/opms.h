@@ -14,6 +14,7 @@
 #include <opms/bar.h>
 #include <opms/pose.h>
 #include <opms/locate.h>
+#include <opms/grid.h>
 #include <opms/calib.h>
 
 #endif

@@ -10,7 +10,8 @@
 namespace opms::calib
 {
 
-/** Deviation of a shared unknown from its prior value, and its standard deviation; sigma 0: none. */
+/** Deviation of a shared unknown from its prior value, and its standard deviation; sigma 0: none.
+ */
 struct Prior {
     double off, sigma;
 };

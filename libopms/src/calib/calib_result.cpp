@@ -259,8 +259,9 @@ opms_status_t write_result(opms_calibrator &calibrator, const SolveEnd &end,
     result.residual_rms_px = std::sqrt(tally.px2 / std::max(1U, tally.inliers));
     result.chi2_dof = tally.sigmas2 / freedom / INLIER_VARIANCE;
     if (!solve_covariance(calibrator, end.scale, result.chi2_dof, with_cockle)) {
-        return opms_fail(err, OPMS_ERR_DOMAIN, STAGE, -1,
-                         "the pictures leave the camera undetermined: tilt the camera between them");
+        return opms_fail(
+            err, OPMS_ERR_DOMAIN, STAGE, -1,
+            "the pictures leave the camera undetermined: tilt the camera between them");
     }
     using opms::algebra::RowMajor;
     Eigen::Map<RowMajor<LENS, LENS>>(result.covariance) =

@@ -83,7 +83,8 @@ bool eliminate(const PictureEquations<S> &equations, double damping, Picture &pi
     picture.slope.template leftCols<S>() = factor.solve(equations.coupling.transpose());
     picture.step = factor.solve(equations.pose_gradient);
     picture.gradient = equations.pose_gradient;
-    matrix.noalias() += equations.shared - equations.coupling * picture.slope.template leftCols<S>();
+    matrix.noalias() +=
+        equations.shared - equations.coupling * picture.slope.template leftCols<S>();
     gradient.noalias() += equations.shared_gradient - equations.coupling * picture.step;
     return picture.slope.template leftCols<S>().allFinite();
 }
@@ -195,7 +196,8 @@ private:
             sum_equations<S>(picture, calibrator_.shape, picture.pose, scale, cockle_scale_m_,
                              plan_.stride, Weights::Robust, equations);
             shared_gradient += equations.shared_gradient;
-            if (!equations.in_front || !eliminate<S>(equations, damping, picture, matrix, gradient)) {
+            if (!equations.in_front ||
+                !eliminate<S>(equations, damping, picture, matrix, gradient)) {
                 return false;
             }
         }

@@ -300,7 +300,8 @@ opms_status_t opms_calibrator_choose(const opms_calibrator_t *calibrator, uint32
                                      uint32_t *chosen, uint32_t *chosen_count, opms_error_t *err)
 {
     if (!calibrator || !chosen || !chosen_count) {
-        return opms_fail(err, OPMS_ERR_ARG, STAGE, -1, "calibrator, chosen or chosen_count is NULL");
+        return opms_fail(err, OPMS_ERR_ARG, STAGE, -1,
+                         "calibrator, chosen or chosen_count is NULL");
     }
     if (!calibrator->solved) {
         return opms_fail(err, OPMS_ERR_DOMAIN, STAGE, -1, "there is no solution yet");

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /** @file
- * Normal equations of a calibration, picture by picture: shared unknowns (lens, cockle) and pose. */
+ * Normal equations of a calibration, picture by picture: shared unknowns (lens, cockle) and pose.
+ */
 #ifndef OPMS_CALIB_NORMAL_EQUATIONS_H
 #define OPMS_CALIB_NORMAL_EQUATIONS_H
 

@@ -78,7 +78,8 @@ static opms_transform_t true_mounting(const opms_transform_t *target_camera,
     opms_transform_t mounting;
     truth_multiply(turn, target_camera->R, mounting.R);
     for (int i = 0; i < 3; ++i)
-        mounting.t_m[i] = turn[3 * i] * off[0] + turn[3 * i + 1] * off[1] + turn[3 * i + 2] * off[2];
+        mounting.t_m[i] =
+            turn[3 * i] * off[0] + turn[3 * i + 1] * off[1] + turn[3 * i + 2] * off[2];
     return mounting;
 }
 
