@@ -102,7 +102,7 @@ void measure_delays(const std::vector<std::int64_t> &stamps, const Run &run, Edg
             next != stamps.end() &&
             (i + 1 == run.starts.size() || *next < run.starts[i + 1].before_ns);
         if (before_the_next_start) {
-            delays.push_back(us(*next - run.starts[i].after_ns));
+            delays.push_back(us(*next - from));
         }
     }
     report.start_to_edge_us = summarize(delays);

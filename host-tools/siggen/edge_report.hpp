@@ -33,7 +33,8 @@ struct EdgeReport {
     std::int64_t missed = 0;       /**< periods without their pulse, up to the end of listening */
     std::int64_t extra = 0;        /**< edges less than half a period after the one before */
     std::int64_t dropped = 0;      /**< edges that the kernel had no room for */
-    Summary start_to_edge_us;      /**< from each START to the next edge */
+    /** From just before each START was driven to the next edge: with the time that driving took. */
+    Summary start_to_edge_us;
     double first_edge_delay_us = 0; /**< the first of those */
     /** Were edges stamped by the clock that START was sent by? Else no delays are given. */
     bool same_clock = true;

@@ -12,6 +12,7 @@ namespace {
 
 constexpr std::int64_t GUARD_NS = 300000;    /**< no listening that close to a level change */
 constexpr std::int64_t SLICE_NS = 100000000; /**< longest wait before `stop` is asked again */
+constexpr int DRAIN_READS = 1000;            /**< at the end, of what waits in the kernel */
 
 struct Due {
     std::int64_t t_ns;
@@ -46,7 +47,8 @@ public:
             }
             step();
         }
-        listen(0);
+        for (int i = 0; i < DRAIN_READS && listen(0); ++i) {
+        }
         lines_.set(GPIO_START, false);
         if (options_.strobe.on) {
             lines_.set(GPIO_STROBE, false);
@@ -77,12 +79,14 @@ private:
         }
     }
 
-    void listen(std::int64_t timeout_ns)
+    /** @return Whether edges came. */
+    bool listen(std::int64_t timeout_ns)
     {
         if (!options_.listens) {
-            return;
+            return false;
         }
-        for (const gpio_edge_t &edge : lines_.wait(timeout_ns)) {
+        const std::vector<gpio_edge_t> edges = lines_.wait(timeout_ns);
+        for (const gpio_edge_t &edge : edges) {
             run_.edges.push_back(edge);
             /* After the end no more exposures begin. */
             const std::int64_t begin_ns = edge.t_ns + options_.strobe.delay_ns;
@@ -91,6 +95,7 @@ private:
                 due_.push({begin_ns + options_.strobe.width_ns, GPIO_STROBE, false, false});
             }
         }
+        return !edges.empty();
     }
 
     void send()
