@@ -217,13 +217,13 @@ export class PioMachine {
         if (!this.loop) {
             return;
         }
-        const { since, ticks, iterations } = this.loop;
-        const passed = Math.max(0, Math.floor((time * 256 - since) / ticks));
+        const { since, ticks, iterations } = this.loop, last = (time - 1) * 256;
+        const passed = Math.max(0, Math.floor((last - since) / ticks));
         this.#leaveLoop(Math.min(passed, iterations));
         // What these instructions drive was driven already when the loop was entered.
         const { pinValues, pinDirections } = this.block;
         this.mayPark = false;
-        while (this.due < time * 256) {
+        while (this.due <= last) {
             this.tick();
         }
         this.mayPark = true;

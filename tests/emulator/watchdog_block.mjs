@@ -47,6 +47,7 @@ export class WatchdogBlock extends RegisterBlock {
     #bite(reason) {
         if (this.chip.psm.selection === 0) {
             this.chip.fault('WATCHDOG: it bites, but PSM_WDSEL selects nothing to be reset');
+            return;
         }
         this.chip.requestReset({ reason, scratch: this.scratch });
     }
