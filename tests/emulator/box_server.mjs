@@ -23,9 +23,21 @@ function fail(text) {
     process.exit(2);
 }
 
+const HELP = `usage: box_server.mjs [--port P] [--firmware FILE] [--flash FILE] [--seed N]
+
+The trigger box's firmware on an emulated board, in real time, on a socket of this machine
+(docs/emulated-box.md).
+
+  --port P         TCP port on 127.0.0.1; 0 picks one (47653)
+  --firmware FILE  .uf2 or .bin (build/firmware/opms-box.uf2)
+  --flash FILE     keeps the flash, settings included, over runs (nothing is kept)
+  --seed N         of the board's noise, so that boot ids repeat (another one each run)
+`;
+
 function readArguments() {
     try {
         return parseArgs({ options: {
+            help: { type: 'boolean' },
             port: { type: 'string', default: '47653' },
             firmware: { type: 'string', default: defaultFirmware },
             flash: { type: 'string' },
@@ -148,6 +160,10 @@ class Door {
 
 function main() {
     const options = readArguments();
+    if (options.help) {
+        process.stdout.write(HELP);
+        return;
+    }
     const port = Number(options.port);
     if (!Number.isInteger(port) || port < 0 || port > 65535) {
         fail(`--port ${options.port} is no port`);
