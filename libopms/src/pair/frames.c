@@ -54,6 +54,10 @@ static void read_header(opms_pairer_t *pairer, const opms_frame_t *header, pair_
         frame->has_camera =
             (uint8_t)unwrap_stamp(pairer, header->camera_time_ticks, &frame->camera_ns);
     }
+    frame->camera_epoch = pairer->camera.epoch;
+    frame->is_new = frame->has_id && frame->has_camera && pairer->camera.valid &&
+                    frame->id > pairer->lock.newest_id &&
+                    frame->camera_ns > pairer->camera.camera_ns;
     frame->has_arrival =
         (uint8_t)read_arrival(pairer, header->arrival_host_ns, &frame->arrival_box_ns);
 }

@@ -127,9 +127,9 @@ static pair_verdict_t judge_unnamed(const opms_pairer_t *pairer, const pair_fram
     if (!last && !pair_ring_timed(ring, before ? number - 1 : number + 1)) {
         return PAIR_VERDICT_TRIGGER;
     }
-    /* An old one may be of before the camera started anew: nothing later confirms its clock. */
-    return frame->camera_ns > pairer->camera.camera_ns ? PAIR_VERDICT_OFF_GRID
-                                                       : PAIR_VERDICT_ALONE;
+    /* One that was not new when it came may be of a camera that has started anew: no later pair
+     * confirms its clock. */
+    return frame->is_new ? PAIR_VERDICT_OFF_GRID : PAIR_VERDICT_ALONE;
 }
 
 static pair_verdict_t judge_by_camera(const opms_pairer_t *pairer, pair_frame_t *frame,

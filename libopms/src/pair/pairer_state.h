@@ -49,7 +49,9 @@ typedef struct pair_frame {
     uint8_t phase;     /* pair_phase_t */
     uint8_t seen_before; /* a frame with its id came before */
     uint8_t later;     /* SUPPORTED: frames on time after it */
-    uint32_t camera_epoch, lock_epoch;
+    uint8_t is_new;    /* id and stamp were beyond those of all pairs when it came */
+    uint32_t camera_epoch; /* when it came */
+    uint32_t lock_epoch;   /* when it was judged */
     uint64_t pairs_before;    /* of the lock by which it was judged */
     pair_evidence_t evidence; /* of the last judgement */
 } pair_frame_t;
@@ -84,7 +86,7 @@ typedef struct pair_lock {
     int ever;          /* a lock was had in this session */
     int64_t offset;    /* frame id less trigger number */
     int64_t first_id;  /* of the present lock */
-    int64_t verified_box_ns; /* newest trigger that was paired */
+    int64_t newest_id; /* of the newest trigger that was paired */
     uint32_t witnesses;
     uint32_t misses;   /* frames in a row that do not support it */
     uint32_t epoch;    /* another one with each new offset */

@@ -59,7 +59,6 @@ static void act(opms_pairer_t *pairer, uint64_t slot, pair_verdict_t verdict, in
         break;
     case PAIR_VERDICT_OFF_GRID:
         frame->phase = PAIR_PHASE_OFF_GRID;
-        frame->camera_epoch = pairer->camera.epoch;
         break;
     case PAIR_VERDICT_ALONE:
         frame->phase = PAIR_PHASE_PARKED;

@@ -23,8 +23,11 @@ void pair_commit(opms_pairer_t *pairer, pair_frame_t *frame)
     }
     pair_segment_t *segment = &lock->segments[lock->segment];
     if (frame->id - evidence->number == segment->offset) {
-        segment->last = evidence->number > segment->last ? evidence->number : segment->last;
         ++lock->pairs;
+        if (evidence->number > segment->last) {
+            segment->last = evidence->number;
+            lock->newest_id = frame->id;
+        }
     }
     lock->misses = 0;
     if (pairer->options.camera.has_strobe && trigger->strobe == PAIR_STROBE_UNKNOWN) {

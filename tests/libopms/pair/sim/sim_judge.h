@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /** @file
- * What is right: results against the truth, and which frames can be paired at all. */
+ * What is right: results against the truth. */
 #ifndef SIM_JUDGE_H
 #define SIM_JUDGE_H
 
@@ -33,7 +33,7 @@ void judge_result(Session &session, const opms_pair_result_t &result, Figures &f
 void judge_session(Profile profile, Session &session, bool &delays_learnt, Figures &figures);
 
 /** Counts undisturbed frames while there is no lock: on time, counted like the ones before, their
- * triggers known. */
+ * triggers known, and nothing else comes in between. */
 class LockWatch {
 public:
     void see(const Session &session, const Delivery &delivery, bool locked, Figures &figures);
@@ -44,8 +44,5 @@ private:
     uint64_t row_ = 0, unlocked_row_ = 0;
     bool was_locked_ = false, counted_ = false;
 };
-
-bool is_on_time(const Session &session, const Delivery &delivery);
-bool is_in_time(const Session &session, const Delivery &delivery);
 
 #endif
