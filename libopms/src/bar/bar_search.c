@@ -169,7 +169,7 @@ static opms_bar_state_t try_seed(opms_bar_detector_t *d, const quad_t *seed, flo
     }
     plane_map_relabel(&map, labels.turn, BAR_PITCH_MM * (labels.offset - OPMS_BAR_ORIGIN));
     edge_scene_t scene = {&d->view, &d->local_lens, d->ray_limit, map, shift_px, {1, 1},
-                          {BLUR_START_PX, BLUR_START_PX}, {0, 0}, 0, 1, 1};
+                          {BLUR_START_PX, BLUR_START_PX}, {0, 0}, BLUR_START_PX, 0, 0, 1, 0, 1};
     const int a = chain.square[0].place, b = chain.square[chain.count - 1].place;
     const int first = labels.turn ? labels.offset - b : labels.offset + a;
     const int last = labels.turn ? labels.offset - a : labels.offset + b;

@@ -18,6 +18,7 @@
     4.2 /* reach of the pixels that take part, in standard deviations of the blur */
 #define OUTSIDE_BLURS 3.2
 #define GROUND_BLURS 1.4
+#define CUT_NOISE_LEAST 0.002
 
 /** Where a side is expected in the picture: a parabola through three projected points. */
 typedef struct side_curve {
@@ -120,8 +121,7 @@ typedef struct side_window {
 /** Standard deviation of the blur where the picture has a given scale. */
 static double blur_at(const edge_scene_t *scene, int family, double px_per_mm)
 {
-    const double still = fmin(scene->blur_px[0], scene->blur_px[1]);
-    const double total = scene->blur_px[family];
+    const double still = scene->still_px, total = scene->blur_px[family];
     if (total <= still || !(scene->blur_scale[family] > 0)) {
         return total;
     }
@@ -170,6 +170,33 @@ static void load_pixels(const view_t *view, int along_axis, int main, int first,
     }
 }
 
+/** What the model of saturated white needs besides. */
+static void add_clipped(const edge_scene_t *scene, int side, const side_curve_t *curve,
+                        double sigma_along, double along_px, side_model_t *model)
+{
+    const int family = side & 1;
+    const double still = scene->still_px, total = scene->blur_px[family];
+    model->per_cut_noise = (float)(1 / fmax(CUT_NOISE_LEAST, scene->cut_noise * scene->clip));
+    model->family = family;
+    model->blur_along = edge_blur_of(sigma_along, still);
+    model->along_px = (float)along_px;
+    model->box_by_total = model->box_by_still = 0;
+    model->cross = model->cross_by = 0;
+    if (model->blur.box > 0.f && scene->blur_scale[family] > 0) {
+        /* box^2 = 12 (total^2 - still^2) at the scale at which these hold */
+        const double ratio = curve->px_per_mm / scene->blur_scale[family];
+        const double box = sqrt(12 * (total * total - still * still));
+        model->box_by_total = (float)(ratio * 12 * total / box);
+        model->box_by_still = (float)(-ratio * 12 * still / box);
+    }
+    if (edge_scene_moved(scene) && scene->blur_scale[0] > 0 && scene->blur_scale[1] > 0) {
+        const double area =
+            curve->px_per_mm * along_px / (scene->blur_scale[0] * scene->blur_scale[1]);
+        model->cross_by = (float)(side < 2 ? -area : area);
+        model->cross = (float)scene->cross_px2 * model->cross_by;
+    }
+}
+
 static int fit_side(const edge_scene_t *scene, int square, int side, const grey_levels_t *levels,
                     stretch_t *stretches)
 {
@@ -183,10 +210,11 @@ static int fit_side(const edge_scene_t *scene, int square, int side, const grey_
     const double along_px =
         1 / hypot(curve.along_mm[0], curve.along_mm[1]); /* per mm, square to the ends */
     const double sigma_along = blur_at(scene, !family, along_px);
-    const side_window_t window = window_of(&curve, side, sigma, sigma_along, scene->clip < 1);
+    const int clipped = scene->clip < 1;
+    const side_window_t window = window_of(&curve, side, sigma, sigma_along, clipped);
     const float shift = (float)(scene->shift_px * scene->shift_gain[family]);
-    const double still = fmin(scene->blur_px[0], scene->blur_px[1]);
-    const side_model_t model = {
+    const double still = scene->still_px;
+    side_model_t model = {
         .blur = edge_blur_of(sigma, still),
         .per_sigma = (float)(1 / sigma),
         .end_at =
@@ -199,6 +227,9 @@ static int fit_side(const edge_scene_t *scene, int square, int side, const grey_
         .ground = (float)window.ground,
         .clip = (float)scene->clip,
         .white_level = (float)view->white_level};
+    if (scene->clip < 1) {
+        add_clipped(scene, side, &curve, sigma_along, along_px, &model);
+    }
     const int m = curve.along_axis, c = 1 - m;
     const int main_size = m == 0 ? view->width : view->height;
     const int cross_size = c == 0 ? view->width : view->height;
@@ -251,9 +282,15 @@ static int fit_side(const edge_scene_t *scene, int square, int side, const grey_
             continue;
         }
         out->expected_px = shift;
-        stretch_sum(&model, lines, used, out);
-        if (!stretch_solve(levels, out)) {
-            continue;
+        if (scene->clip < 1) {
+            if (!stretch_fit_clipped(&model, lines, used, out)) {
+                continue;
+            }
+        } else {
+            stretch_sum(&model, lines, used, out);
+            if (!stretch_solve(levels, out)) {
+                continue;
+            }
         }
         const double tau = along / used;
         out->square = (int16_t)square;

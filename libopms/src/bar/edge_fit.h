@@ -21,10 +21,20 @@ typedef struct edge_scene {
                              along X */
     double blur_scale[2]; /**< px per mm across those sides where the blur is as stated: what of it
                              comes from motion grows with the scale */
+    double still_px;   /**< what of the blur does not come from motion */
+    double cross_px2;  /**< covariance of the motion along X and along Y, px, at blur_scale */
     int still;         /**< the picture is known not to have moved: one blur for all sides */
     double clip;       /**< part of the true contrast at which white saturates, 1 if it does not */
+    double cut_noise;  /**< of grey levels, over the contrast that saturation leaves */
     int line_step;     /**< every so many lines of pixels across a side are looked at */
 } edge_scene_t;
+
+/** Do the families' blurs differ for certain? */
+static inline int edge_scene_moved(const edge_scene_t *scene)
+{
+    const double a = scene->blur_px[0], b = scene->blur_px[1];
+    return a > 1.18 * b || b > 1.18 * a;
+}
 
 /** Grey levels of black [0] and white [1] that the picture has shown, and the weight of each as so
  * many pixels of a stretch; weight 0 where none is known. */
@@ -42,6 +52,16 @@ typedef struct fit_sums {
     float xi[REGRESSORS];                 /* and of their products with the grey level */
     float xx[REGRESSORS][REGRESSORS];     /* and with one another, lower triangle */
 } fit_sums_t;
+
+/** What a stretch tells of the shape that saturated profiles share: logarithm of the clip, and the
+ * blur of either family, blur but for motion, motion along and across the bar at once. */
+enum { CLIP_LOG, CLIP_BLUR, CLIP_STILL = CLIP_BLUR + 2, CLIP_CROSS, CLIP_SHAPE };
+
+typedef struct clip_info {
+    float weight[CLIP_SHAPE][CLIP_SHAPE]; /**< normal equations, lower triangle, for noise 1; */
+    float slope[CLIP_SHAPE];              /**< step = weight^-1 slope */
+    float by[CLIP_SHAPE];                 /**< derivative of the offset */
+} clip_info_t;
 
 /** One stretch of a side, as fitted. */
 typedef struct stretch {
@@ -61,6 +81,7 @@ typedef struct stretch {
     float px_per_mm;      /**< across the side */
     float variance;       /**< of the grey levels about the model */
     float blur_slope, blur_weight; /**< information on the blur: Newton step = slope / weight */
+    clip_info_t clip;     /**< where the scene has saturated white in its model */
 } stretch_t;
 
 /** Measure the visible stretches of one square's four sides.

@@ -5,6 +5,8 @@
 #include <string.h>
 
 #include "bar/bar_code.h"
+#include "bar/clip_fit.h"
+#include "bar/correlation.h"
 #include "bar/picture_shape.h"
 #include "bar/solve_spd.h"
 
@@ -14,15 +16,15 @@
  * known; the range grows with what has been confirmed, so that the map is never asked for more than
  * it knows. Then all squares are measured, once if nothing moves any more. */
 
-#define UNKNOWNS 9
 #define SCOUTING_MOST 14
+#define SCOUTING_CLIPPED 9
 #define SCOUTING_SQUARES 6
+#define CLIP_CLEAR 0.6
 #define SCOUTING_STEP 2     /* lines of pixels */
 #define SCOUTED_PX 0.12f     /* movement after which all squares are measured */
 #define SHAPED 0.04f        /* change of blur (px) or clip that counts as none */
 #define SCOUTED_BLUR 0.06f
 #define UNSHAPED 0.1f       /* such a change at the end means that nothing settles */
-#define CLIP_OF_MOTION 0.35
 #define PASSES_MOST 5
 #define SETTLED_PX 0.02f    /* movement after which no further pass is needed */
 #define BORDER_REACH_PX 40.0 /* a square's middle may lie this far outside and a side be seen */
@@ -30,7 +32,6 @@
 #define TUKEY 4.685f
 #define GOOD_LEAST 12
 #define LEVEL_SCATTER_LEAST 0.12f /* of black and white over the picture, in noises */
-#define SHIFT_OF_STILL_PX 0.8
 #define SATURATED_LEAST 0.05 /* part of the pixels next to the sides that makes white saturated */
 
 /** Median by selection, in place: a few of the values end up in order, the rest does not. */
@@ -163,13 +164,16 @@ static void linearise(const edge_scene_t *scene, bar_fit_t *fit)
             fit->row[i][k] =
                 (float)((double)s->normal[0] * grad[k] + (double)s->normal[1] * grad[8 + k]);
         }
-        fit->row[i][8] = (float)scene->shift_gain[s->side & 1];
+        fit->row[i][MAP_UNKNOWNS] = (float)scene->shift_gain[s->side & 1];
+        if (scene->clip < 1) {
+            clip_row(s, &fit->row[i][MAP_UNKNOWNS]);
+        }
     }
 }
 
 /** Residuals of the good stretches for a change of the map; returns their robust scale in sigmas.
  */
-static float residuals(bar_fit_t *fit, const double change[UNKNOWNS], float *scratch)
+static float residuals(bar_fit_t *fit, const double *change, float *scratch)
 {
     int n = 0;
     for (int i = 0; i < fit->count; ++i) {
@@ -177,7 +181,7 @@ static float residuals(bar_fit_t *fit, const double change[UNKNOWNS], float *scr
             continue;
         }
         double model = 0;
-        for (int k = 0; k < UNKNOWNS; ++k) {
+        for (int k = 0; k < fit->unknowns; ++k) {
             model += (double)fit->row[i][k] * change[k];
         }
         fit->residual[i] = fit->stretch[i].offset_px - (float)model;
@@ -189,13 +193,15 @@ static float residuals(bar_fit_t *fit, const double change[UNKNOWNS], float *scr
     return scale < 1.f ? 1.f : scale;
 }
 
-/** Robust linear fit of map and shift; 0 when singular. */
-static int fit_map(bar_fit_t *fit, double change[UNKNOWNS], float *scale)
+/** Robust linear fit of the map and what is unknown of the picture; 0 when singular. */
+static int fit_map(const edge_scene_t *scene, bar_fit_t *fit, double change[FIT_UNKNOWNS_MOST],
+                   float *scale)
 {
+    const int n = fit->unknowns;
     float scratch[OPMS_BAR_EDGES_MAX];
     *scale = residuals(fit, change, scratch) * 3.f; /* wide at first */
     for (int round = 0; round < 3; ++round) {
-        double normal[UNKNOWNS * UNKNOWNS] = {0}, rhs[UNKNOWNS] = {0};
+        double normal[FIT_UNKNOWNS_MOST * FIT_UNKNOWNS_MOST] = {0}, rhs[FIT_UNKNOWNS_MOST] = {0};
         for (int i = 0; i < fit->count; ++i) {
             if (!fit->good[i]) {
                 continue;
@@ -205,21 +211,24 @@ static int fit_map(bar_fit_t *fit, double change[UNKNOWNS], float *scale)
                 continue;
             }
             const float w = (1.f - z * z) * (1.f - z * z) / (fit->sigma[i] * fit->sigma[i]);
-            for (int j = 0; j < UNKNOWNS; ++j) {
+            for (int j = 0; j < n; ++j) {
                 const double wr = (double)(w * fit->row[i][j]);
                 for (int k = 0; k <= j; ++k) {
-                    normal[UNKNOWNS * j + k] += wr * (double)fit->row[i][k];
+                    normal[n * j + k] += wr * (double)fit->row[i][k];
                 }
                 rhs[j] += wr * (double)fit->stretch[i].offset_px;
             }
         }
-        for (int j = 0; j < UNKNOWNS; ++j) {
-            normal[UNKNOWNS * j + j] *= 1 + 1e-9;
+        if (scene->clip < 1) {
+            clip_know(scene, fit, normal, rhs, n);
         }
-        if (!spd_factor(normal, UNKNOWNS)) {
+        for (int j = 0; j < n; ++j) {
+            normal[n * j + j] *= 1 + 1e-9;
+        }
+        if (!spd_factor(normal, n)) {
             return 0;
         }
-        spd_solve(normal, UNKNOWNS, rhs);
+        spd_solve(normal, n, rhs);
         memcpy(change, rhs, sizeof rhs);
         *scale = residuals(fit, change, scratch);
     }
@@ -303,53 +312,18 @@ static void learn_levels(bar_fit_t *fit)
     }
 }
 
-/** Mean square of the residuals of groups of stretches, in units of what independent errors give:
- * one group for each side of so many neighbouring squares. */
-static float group_excess(const bar_fit_t *fit, int squares)
-{
-    float sum[OPMS_BAR_SQUARES][4] = {{0}}, weight[OPMS_BAR_SQUARES][4] = {{0}};
-    for (int i = 0; i < fit->count; ++i) {
-        if (fit->good[i]) {
-            const stretch_t *s = &fit->stretch[i];
-            const float w = 1.f / (fit->sigma[i] * fit->sigma[i]);
-            sum[s->square / squares][s->side] += w * fit->residual[i];
-            weight[s->square / squares][s->side] += w;
-        }
-    }
-    float total = 0;
-    int groups = 0;
-    for (int k = 0; k < OPMS_BAR_SQUARES; ++k) {
-        for (int side = 0; side < 4; ++side) {
-            if (weight[k][side] > 0.f) {
-                total += fminf(sum[k][side] * sum[k][side] / weight[k][side], 25.f);
-                ++groups;
-            }
-        }
-    }
-    if (groups <= UNKNOWNS) {
-        return 1.f;
-    }
-    /* Less two standard deviations of what chance does to independent errors. */
-    const float freedom = (float)(groups - UNKNOWNS);
-    return total / freedom - 2.f * sqrtf(2.f / freedom);
-}
-
-/** State larger standard deviations where errors run alike along a side or along the bar, as shade
- * and grass make them: what is averaged does then not grow more certain by as much. */
-static void state_correlation(bar_fit_t *fit)
-{
-    const float along_side = group_excess(fit, 1), along_bar = group_excess(fit, 4);
-    const float excess = fmaxf(1.f, fmaxf(along_side, along_bar));
-    for (int i = 0; i < fit->count; ++i) {
-        fit->sigma[i] *= sqrtf(excess);
-    }
-}
-
 /** By how much a pass moved the edges and changed the blur, and the range it confirmed. */
 typedef struct pass_result {
     float moved_px, blurred_px;
     int low, high;
 } pass_result_t;
+
+/** Range of squares that was scouted, and how it ended. */
+typedef struct scouting {
+    int from, to;
+    int settled;
+    pass_result_t result;
+} scouting_t;
 
 /** One pass over the given squares; 0 when too little agrees. */
 static int run_pass(edge_scene_t *scene, const int *index, int count, float contrast,
@@ -366,17 +340,25 @@ static int run_pass(edge_scene_t *scene, const int *index, int count, float cont
             return 0;
         }
     }
+    fit->unknowns = scene->clip < 1 ? MAP_UNKNOWNS + CLIP_UNKNOWNS : MAP_UNKNOWNS + 1;
     linearise(scene, fit);
-    double change[UNKNOWNS] = {0};
+    double change[FIT_UNKNOWNS_MOST] = {0};
     float scale;
-    change[8] = scene->shift_px;
-    if (!fit_map(fit, change, &scale)) {
+    change[MAP_UNKNOWNS] = scene->shift_px;
+    if (!fit_map(scene, fit, change, &scale)) {
         return 0;
     }
     result->moved_px = largest_change(fit, scene);
     const double blur[2] = {scene->blur_px[0], scene->blur_px[1]}, clip = scene->clip;
-    shape_update_blur(scene, fit);
-    shape_update_gain(scene, fit);
+    if (clip < 1) {
+        clip_take(scene, &change[MAP_UNKNOWNS]);
+        scene->cut_noise = (double)(fit->noise / fit->contrast);
+        shape_scale(scene, fit);
+    } else {
+        shape_update_blur(scene, fit);
+        shape_update_gain(scene, fit);
+        scene->shift_px = change[MAP_UNKNOWNS];
+    }
     if (confirm(fit, scale, &result->low, &result->high) < GOOD_LEAST ||
         result->high <= result->low) {
         return 0;
@@ -384,55 +366,92 @@ static int run_pass(edge_scene_t *scene, const int *index, int count, float cont
     for (int k = 0; k < 8; ++k) {
         scene->map.h[k] += change[k];
     }
-    scene->shift_px = change[8];
-    if (clip < 1) {
-        shape_update_clip(scene);
-    }
     result->blurred_px =
         (float)fmax(fabs(scene->clip - clip),
                     fmax(fabs(scene->blur_px[0] - blur[0]), fabs(scene->blur_px[1] - blur[1])));
     return 1;
 }
 
-map_verdict_t map_refine(edge_scene_t *scene, int first, int last, float contrast, bar_fit_t *fit)
+/** Passes over few squares, until the range stands still and the blur is known, or, `until_cut`,
+ * white is seen to be cut. 0 where too little agrees. */
+static int scout(edge_scene_t *scene, int passes, int until_cut, float contrast, bar_fit_t *fit,
+                 scouting_t *scouting)
 {
-    int from = clamp_index(first), to = clamp_index(last);
+    pass_result_t *result = &scouting->result;
     int index[OPMS_BAR_SQUARES];
-    pass_result_t result = {0, 0, from, to};
-    scene->line_step = SCOUTING_STEP;
-    int plain = 0; /* saturated, but better measured as if it were not */
-    /* Scouting: few squares, until the range stands still and the blur is known. */
-    for (int pass = 0; pass < SCOUTING_MOST; ++pass) {
-        const int count = visible_squares(scene, from, to, SCOUTING_SQUARES, index);
-        if (!run_pass(scene, index, count, contrast, 3.f, fit, &result)) {
-            return MAP_LOST;
+    scouting->settled = 0;
+    for (int pass = 0; pass < passes && !scouting->settled; ++pass) {
+        const int count =
+            visible_squares(scene, scouting->from, scouting->to, SCOUTING_SQUARES, index);
+        if (!run_pass(scene, index, count, contrast, 3.f, fit, result)) {
+            return 0;
         }
-        const int grow = 1 + (result.high - result.low) / 2;
-        const int next_from = clamp_index(result.low - grow),
-                  next_to = clamp_index(result.high + grow);
-        const int known = next_from >= from && next_to <= to;
-        from = next_from < from ? next_from : from;
-        to = next_to > to ? next_to : to;
-        if (!plain && scene->clip >= 1 && shape_saturated_part(fit) > SATURATED_LEAST) {
-            if (result.blurred_px < 0.06f || pass >= 5) {
-                shape_guess_clip(scene);
-            }
+        const int grow = 1 + (result->high - result->low) / 2;
+        const int from = clamp_index(result->low - grow), to = clamp_index(result->high + grow);
+        const int known = from >= scouting->from && to <= scouting->to;
+        scouting->from = from < scouting->from ? from : scouting->from;
+        scouting->to = to > scouting->to ? to : scouting->to;
+        if (until_cut && shape_saturated_part(fit) > SATURATED_LEAST) {
+            scouting->settled = result->blurred_px < SCOUTED_BLUR || pass >= 5;
             continue;
         }
-        if (known && result.moved_px < SCOUTED_PX && result.blurred_px < SCOUTED_BLUR) {
-            if (!plain && shape_drop_clip(scene)) {
-                plain = 1;
-                continue;
-            }
-            break;
+        scouting->settled =
+            known && result->moved_px < SCOUTED_PX && result->blurred_px < SCOUTED_BLUR;
+    }
+    return 1;
+}
+
+/** Scout once more with saturated white in the model, from several starts; the best one stays. */
+static int scout_clipped(edge_scene_t *scene, float contrast, bar_fit_t *fit,
+                         scouting_t *scouting)
+{
+    const edge_scene_t plain = *scene;
+    const scouting_t before = *scouting;
+    edge_scene_t best = plain;
+    scouting_t best_scouting = before;
+    float least = 0;
+    int found = 0;
+    for (int start = 0; start < CLIP_STARTS; ++start) {
+        edge_scene_t trial = plain;
+        scouting_t trying = before;
+        if (!clip_start(&trial, start)) {
+            continue;
         }
-        if (pass >= SCOUTING_MOST / 2 && scene->clip < 1) {
-            plain = shape_drop_clip(scene) || plain; /* it does not settle */
+        if (!scout(&trial, SCOUTING_CLIPPED, 0, contrast, fit, &trying)) {
+            continue;
+        }
+        if (!found || fit->noise < least) {
+            found = 1;
+            least = fit->noise;
+            best = trial;
+            best_scouting = trying;
+        }
+        if (trying.settled && trial.clip > CLIP_CLEAR) {
+            break; /* enough is left of the profiles to know */
         }
     }
+    *scene = best;
+    *scouting = best_scouting;
+    return found;
+}
+
+map_verdict_t map_refine(edge_scene_t *scene, int first, int last, float contrast, bar_fit_t *fit)
+{
+    scouting_t scouting = {clamp_index(first), clamp_index(last), 0, {0, 0, 0, 0}};
+    scene->line_step = SCOUTING_STEP;
+    if (!scout(scene, SCOUTING_MOST, 1, contrast, fit, &scouting)) {
+        return MAP_LOST;
+    }
+    if (shape_saturated_part(fit) > SATURATED_LEAST &&
+        !scout_clipped(scene, contrast, fit, &scouting)) {
+        return MAP_LOST;
+    }
     scene->line_step = 1;
+    pass_result_t result = scouting.result;
+    int index[OPMS_BAR_SQUARES];
     for (int pass = 0; pass < PASSES_MOST; ++pass) {
-        const int count = visible_squares(scene, from, to, OPMS_BAR_SQUARES, index);
+        const int count =
+            visible_squares(scene, scouting.from, scouting.to, OPMS_BAR_SQUARES, index);
         if (!run_pass(scene, index, count, contrast, 2.f, fit, &result)) {
             return MAP_LOST;
         }
@@ -440,8 +459,9 @@ map_verdict_t map_refine(edge_scene_t *scene, int first, int last, float contras
             break;
         }
     }
-    state_correlation(fit);
-    const int cut_too_low = scene->clip < CLIP_OF_MOTION;
-    const int shifted_too_far = plain && fabs(scene->shift_px) > SHIFT_OF_STILL_PX;
-    return cut_too_low || shifted_too_far || result.blurred_px >= UNSHAPED ? MAP_UNSURE : MAP_FIRM;
+    if (scene->clip < 1) {
+        clip_gains(scene, fit);
+    }
+    correlation_state(scene, fit);
+    return result.blurred_px >= UNSHAPED ? MAP_UNSURE : MAP_FIRM;
 }

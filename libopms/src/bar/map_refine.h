@@ -8,6 +8,9 @@
 
 #include "bar/edge_fit.h"
 
+#define MAP_UNKNOWNS 8
+#define FIT_UNKNOWNS_MOST 14
+
 typedef enum map_verdict {
     MAP_LOST, /**< too few stretches agree */
     MAP_UNSURE,
@@ -22,7 +25,9 @@ typedef struct bar_fit {
     float residual[OPMS_BAR_EDGES_MAX]; /**< offset from the fitted map, px */
     float sigma[OPMS_BAR_EDGES_MAX];    /**< px */
     uint8_t good[OPMS_BAR_EDGES_MAX];
-    float row[OPMS_BAR_EDGES_MAX][9];   /**< gradient of each offset by the map and the shift */
+    int unknowns;                       /**< of the fit: the map's, then the picture's */
+    float row[OPMS_BAR_EDGES_MAX][FIT_UNKNOWNS_MOST]; /**< gradient of each offset by these; the
+                                                           common shift follows the map */
     float contrast, noise;
 } bar_fit_t;
 

@@ -15,13 +15,7 @@ void shape_update_blur(edge_scene_t *scene, const bar_fit_t *fit);
 /** How much each family of sides takes part in the common shift. */
 void shape_update_gain(edge_scene_t *scene, const bar_fit_t *fit);
 
-/** Start modelling saturated white, from what a fit without it shows. */
-void shape_guess_clip(edge_scene_t *scene);
-
-/** Move the clip so that no common shift is left. */
-void shape_update_clip(edge_scene_t *scene);
-
-/** Go back to a plain fit where that does better; 1 if so. */
-int shape_drop_clip(edge_scene_t *scene);
+/** Note the scale at which the blur is as stated. */
+void shape_scale(edge_scene_t *scene, const bar_fit_t *fit);
 
 #endif

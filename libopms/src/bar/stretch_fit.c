@@ -7,14 +7,12 @@
 
 /* grey = black + contrast w(s - offset), to first order in the offset, with w the white coverage
  * and g = dw/ds: linear in black, contrast and contrast times offset. Next to the bar's border the
- * ground begins, of unknown brightness: one more step, k, with a height of its own. Where white
- * saturates, the coverage is cut at the part `clip` of the true contrast, and w is what is left,
- * scaled to 1. One more regressor, h, the derivative of w by the blur, is not solved for here: what
- * it would explain of the residual is handed on, and summed over the picture by the caller. */
+ * ground begins, of unknown brightness: one more step, k, with a height of its own. One more
+ * regressor, h, the derivative of w by the blur, is not solved for here: what it would explain of
+ * the residual is handed on, and summed over the picture by the caller. Pictures whose white
+ * saturates are left to stretch_clip.c. */
 
 #define PIXELS_LEAST 10
-#define SATURATED_PART                                                                             \
-    0.12f /* of a stretch's pixels, from which on its white counts as saturated */
 
 #define LANES 4
 #define PIXELS_MAX 1024 /* of a stretch, a multiple of LANES */
@@ -169,25 +167,6 @@ static void add_line(fit_pixels_t *pixels, const side_model_t *model, const fit_
     pixels->count = n;
 }
 
-static void add_line_clipped(fit_pixels_t *pixels, const side_model_t *model,
-                             const fit_line_t *line)
-{
-    const float scale = 1.f / model->clip;
-    int n = pixels->count;
-    for (int k = 0; k < line->count; ++k, ++n) {
-        const float s = line->s_first + (float)k * line->s_step;
-        float slope;
-        const float w = coverage(model, s, line->along_first + (float)k * line->along_step, &slope);
-        const int cut = w >= model->clip;
-        pixels->x[W][n] = cut ? 1.f : w * scale;
-        pixels->x[K][n] = 0.f;
-        pixels->x[G][n] = cut ? 0.f : slope * scale;
-        pixels->x[H][n] = cut ? 0.f : -s * model->per_sigma * slope * scale;
-        pixels->i[n] = line->grey[k];
-    }
-    pixels->count = n;
-}
-
 /** Take regressor `p` out of the others and of the grey levels. */
 static void sweep(double xx[REGRESSORS][REGRESSORS], double xi[REGRESSORS], int p)
 {
@@ -211,12 +190,13 @@ static void coefficients(double xx[REGRESSORS][REGRESSORS], const double xi[REGR
 
 int stretch_solve(const grey_levels_t *levels, stretch_t *out)
 {
+    if (out->clipped) {
+        return 1; /* solved at once, and no level of white is to be had */
+    }
     const int pixels = (int)out->sums.n;
     int ground = out->ground;
     fit_sums_t with_levels = out->sums;
-    if (!out->clipped) {
-        add_levels(&with_levels, levels);
-    }
+    add_levels(&with_levels, levels);
     const fit_sums_t *sums = &with_levels;
     const double n = (double)sums->n;
     if (pixels < PIXELS_LEAST) {
@@ -278,16 +258,12 @@ void stretch_sum(const side_model_t *model, const fit_line_t *lines, int count, 
         }
     }
     out->saturated = (uint16_t)saturated;
-    out->clipped = model->clip < 1.f && (float)saturated > SATURATED_PART * (float)pixels;
-    out->ground = !out->clipped && model->ground > 0.f;
+    out->clipped = 0;
+    out->ground = model->ground > 0.f;
     fit_pixels_t columns;
     columns.count = 0;
     for (int i = 0; i < count && columns.count + lines[i].count <= PIXELS_MAX - LANES; ++i) {
-        if (out->clipped) {
-            add_line_clipped(&columns, model, &lines[i]);
-        } else {
-            add_line(&columns, model, &lines[i]);
-        }
+        add_line(&columns, model, &lines[i]);
     }
     sum_pixels(&columns, out->ground, &out->sums);
 }

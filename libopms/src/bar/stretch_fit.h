@@ -16,6 +16,13 @@ typedef struct side_model {
     float per_sigma;       /**< 1 / standard deviation of that blur */
     float end_at; /**< where the side ends, mm from its middle, the common shift included */
     float along_scale;     /**< standard deviations of the blur along the side, per mm of it */
+    edge_blur_t blur_along; /**< that blur */
+    float along_px;         /**< px per mm of the side */
+    float per_cut_noise;    /**< 1 / the noise at the level where white is cut, coverages */
+    int family;             /**< of the side, as in edge_scene_t */
+    float cross, cross_by;  /**< covariance of the motion across the side and along it, px^2, and
+                                 its derivative by that of the scene */
+    float box_by_total, box_by_still; /**< derivatives of blur.box */
     float lean;            /**< correlation of the blur across the side and along it: what a
                                 corner is off the right angle in the picture */
     unsigned cells;        /**< black code cells beyond the gap, bar_gap_cells(); 0 for none */
@@ -48,5 +55,9 @@ static inline float corner_excess(float lean, float a, float density_a, float b,
 
 /** Sum up the pixels of a stretch into `out`; its geometry is the caller's. */
 void stretch_sum(const side_model_t *model, const fit_line_t *lines, int count, stretch_t *out);
+
+/** Fit a stretch of a picture whose white saturates; 0 where it has no edge to be placed. */
+int stretch_fit_clipped(const side_model_t *model, const fit_line_t *lines, int count,
+                        stretch_t *out);
 
 #endif
