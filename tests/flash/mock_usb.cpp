@@ -138,7 +138,8 @@ int MockUsb::submit(UMockdevIoctlClient *client)
         resolve(umockdev_ioctl_client_get_arg(client), 0, sizeof(usbdevfs_urb));
     usbdevfs_urb urb;
     std::memcpy(&urb, data->data, sizeof urb);
-    Urb mine{UMOCKDEV_IOCTL_DATA(g_object_ref(data)), nullptr, data->client_addr, 0, 0, false, {}, 0};
+    g_object_ref(data);
+    Urb mine{data, nullptr, data->client_addr, 0, 0, false, {}, 0};
     if (urb.buffer_length > 0) {
         mine.buffer = resolve(data, G_STRUCT_OFFSET(usbdevfs_urb, buffer),
                               static_cast<gsize>(urb.buffer_length));

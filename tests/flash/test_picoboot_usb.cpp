@@ -150,8 +150,11 @@ static void test_each_command_that_is_refused_is_named(void)
     const struct {
         int command;
         const char *name;
-    } cases[] = {{0x01, "EXCLUSIVE_ACCESS"}, {0x06, "EXIT_XIP"}, {0x03, "FLASH_ERASE at 0x10000000"},
-                 {0x84, "READ at 0x10000100"}, {0x02, "REBOOT"}};
+    } cases[] = {{0x01, "EXCLUSIVE_ACCESS"},
+                 {0x06, "EXIT_XIP"},
+                 {0x03, "FLASH_ERASE at 0x10000000"},
+                 {0x84, "READ at 0x10000100"},
+                 {0x02, "REBOOT"}};
     for (const auto &c : cases) {
         const auto model = new_model();
         MockUsb usb(testbed, *model, 1, 2);
