@@ -38,7 +38,8 @@ static uint32_t preamble_pulses(const box_t *box)
 /* Pulses of the last session that no report told are lost to the host now. */
 static void forget_session(box_t *box)
 {
-    box->dropped += box->log.last - box->reported;
+    for (; box_next_trigger(box); box->reported++)
+        box->dropped++;
     pulse_log_clear(&box->log);
     box->reported = 0;
     box->first_run_number = 0;

@@ -17,6 +17,9 @@ void box_refuse(box_t *box, uint8_t report_id, uint32_t opcode, opms_refusal_t r
 opms_refusal_t box_arm(box_t *box, uint32_t session_id, box_cycles_t now);
 void box_disarm(box_t *box, box_cycles_t now);
 
+/* Is there a pulse that no TRIGGER told? It is number reported + 1 then. */
+bool box_next_trigger(box_t *box);
+
 /* An exposure ended: which pulse was it of? */
 void box_note_strobe(box_t *box, box_cycles_t rise, uint32_t length_cycles);
 

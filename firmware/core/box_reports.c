@@ -10,7 +10,7 @@
 #define TRIGGERS_IN_ROW 8
 
 /* Move on to the next pulse that is held; those that are not were counted when they were lost. */
-static bool next_trigger(box_t *box)
+bool box_next_trigger(box_t *box)
 {
     if (box->reported + 1 - box->log.first > UINT32_MAX / 2) {
         /* The log was overrun while no one listened. */
@@ -136,7 +136,7 @@ static void write_other(box_t *box, box_cycles_t now, uint8_t *bytes)
 bool box_next_report(box_t *box, box_cycles_t now, uint8_t bytes[OPMS_WIRE_SIZE])
 {
     bool others = others_wait(box);
-    if (next_trigger(box) && !(others && box->triggers_in_row >= TRIGGERS_IN_ROW)) {
+    if (box_next_trigger(box) && !(others && box->triggers_in_row >= TRIGGERS_IN_ROW)) {
         /* Only those that overtook count: else the next pulse would have to wait, once. */
         box->triggers_in_row = others ? box->triggers_in_row + 1 : 0;
         write_trigger(box, now, bytes);

@@ -322,6 +322,16 @@ static void test_what_no_report_told_before_the_next_arming_is_counted(void)
     TEST_ASSERT_EQUAL(8, reports.triggers[0].dropped);
 }
 
+static void test_a_pulse_that_hardware_lost_is_counted_once_though_no_report_told_its_session(void)
+{
+    bench_run();
+    bench_next_pulse();
+    bench_pulse_number(6); /* 3, 4 and 5 are lost */
+    bench_stop();
+    bench_run();
+    TEST_ASSERT_EQUAL(6, box.dropped);
+}
+
 static void test_the_count_of_the_lost_stays_at_its_largest_in_a_trigger(void)
 {
     box.dropped = 65534;
@@ -409,6 +419,7 @@ int main(void)
     RUN_TEST(test_a_number_that_is_not_after_the_last_is_no_pulse);
     RUN_TEST(test_what_no_report_told_before_the_log_was_overrun_is_counted);
     RUN_TEST(test_what_no_report_told_before_the_next_arming_is_counted);
+    RUN_TEST(test_a_pulse_that_hardware_lost_is_counted_once_though_no_report_told_its_session);
     RUN_TEST(test_the_count_of_the_lost_stays_at_its_largest_in_a_trigger);
     RUN_TEST(test_events_beyond_the_queue_show_as_a_gap_in_their_numbers);
     RUN_TEST(test_healing_the_endpoint_is_told_and_counted);
