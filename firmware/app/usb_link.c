@@ -7,7 +7,8 @@
 #include "usb_requests.h"
 
 /* A host polls for reports only while some program has the box open, and no poll is no defect. One
- * that asks for something else has it open: what it has not taken this long after is wedged. */
+ * that keeps asking for other things has it open: a report that is not taken between two requests
+ * this far apart is wedged. */
 #define WEDGED_AFTER (2 * BOX_CYCLES_PER_S)
 /* Frames that start every ms show that it does. */
 #define BUS_IS_ALIVE_FOR (200 * BOX_CYCLES_PER_MS)
@@ -18,15 +19,16 @@ static box_t *box;
 
 static struct {
     bool waits;               /* a report has been handed over and not been taken */
-    bool host_asked;          /* something since then, */
-    box_cycles_t asked_at;    /* first at this time */
+    bool host_asked;          /* for something since then, */
+    box_cycles_t asked_at;    /* first at this time, */
+    bool wedged;              /* and still long after */
     uint32_t frame;
     box_cycles_t frame_seen;
     bool off_the_bus;
     box_cycles_t back_at;
 } endpoint;
 
-/* Since when has the host shown that it is there, without taking the report? */
+/* Does the host show that it is there, without taking the report? */
 static void note_host(box_cycles_t now)
 {
     bool waited = endpoint.waits;
@@ -34,9 +36,12 @@ static void note_host(box_cycles_t now)
     endpoint.waits = tud_ready() && !tud_hid_ready();
     if (!waited || !endpoint.waits) {
         endpoint.host_asked = false;
+        endpoint.wedged = false;
     } else if (asked && !endpoint.host_asked) {
         endpoint.host_asked = true;
         endpoint.asked_at = now;
+    } else if (asked && now - endpoint.asked_at >= WEDGED_AFTER) {
+        endpoint.wedged = true;
     }
 }
 
@@ -67,8 +72,8 @@ static void heal_endpoint(box_cycles_t now)
         endpoint.off_the_bus = false;
         endpoint.waits = false;
         tud_connect();
-    } else if (endpoint.waits && endpoint.host_asked && alive &&
-               now - endpoint.asked_at >= WEDGED_AFTER) {
+    } else if (endpoint.wedged && alive) {
+        endpoint.wedged = false;
         endpoint.off_the_bus = true;
         endpoint.back_at = now + OFF_THE_BUS_FOR;
         tud_disconnect();

@@ -74,11 +74,12 @@ static bool answer_set(uint8_t port, uint8_t stage, tusb_control_request_t const
 
 static bool answer_class(uint8_t port, uint8_t stage, tusb_control_request_t const *request)
 {
-    asked = true;
     switch (request->bRequest) {
     case HID_REQ_CONTROL_GET_REPORT:
+        asked = true;
         return answer_get(port, stage, request);
     case HID_REQ_CONTROL_SET_REPORT:
+        asked = true;
         return answer_set(port, stage, request);
     default:
         return hidd_control_xfer_cb(port, stage, request);

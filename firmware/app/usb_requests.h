@@ -8,7 +8,8 @@
 /* Requests go to `box` from here on. */
 void usb_requests_init(box_t *box);
 
-/* Has a program on the host asked for anything since the last call? */
+/* Has a program on the host asked for anything since the last call? What the host's own driver
+ * asks at each enumeration does not count. */
 bool usb_requests_take_asked(void);
 
 #endif

@@ -4,7 +4,7 @@
 #
 #   cmake -DSOURCE_DIR=... -DOUTPUT=... -P build_version.cmake
 find_program(GIT git)
-set(hash "")
+string(REPEAT 0 20 hash)
 set(modified true) # what cannot be told is not a commit
 if(GIT)
     execute_process(COMMAND ${GIT} -C ${SOURCE_DIR} rev-parse HEAD
