@@ -177,6 +177,73 @@ static void test_of_two_pulses_at_once_the_later_is_the_first_of_the_run(void)
     TEST_ASSERT_EQUAL(3, bench_the_event(OPMS_EVENT_START)->argument);
 }
 
+/* START at `edge`, its debounce over; then two pulses `apart`. */
+static void send_start_and_two_pulses(box_cycles_t apart)
+{
+    bench_power_on(NULL);
+    bench_bring_to(OPMS_BOX_PREAMBLE);
+    const box_input_t start = {BOX_INPUT_START, now, 0, 0};
+    const box_input_t first = {BOX_INPUT_PULSE, now + 125, 1, 0};
+    const box_input_t second = {BOX_INPUT_PULSE, now + 125 + apart, 2, 0};
+    box_input(&box, &start);
+    box_input(&box, &first);
+    box_input(&box, &second);
+    bench_pass(MS(1));
+    bench_drain();
+    TEST_ASSERT_EQUAL(2, reports.trigger_count);
+    TEST_ASSERT_EQUAL(OPMS_BOX_RUNNING, box_state(&box));
+}
+
+static void test_of_two_pulses_at_once_the_later_is_the_runs_first(void)
+{
+    const box_cycles_t at_once[] = {0, 1, 4, 16};
+    for (unsigned i = 0; i < 4; i++) {
+        send_start_and_two_pulses(at_once[i]);
+        TEST_ASSERT_EQUAL(2, bench_the_event(OPMS_EVENT_START)->argument);
+        TEST_ASSERT_BITS_HIGH(OPMS_TRIGGER_PREAMBLE, reports.triggers[0].flags);
+        TEST_ASSERT_BITS_HIGH(OPMS_TRIGGER_RUN, reports.triggers[1].flags);
+        TEST_ASSERT_EQUAL(2, reports.triggers[1].first_run_number);
+    }
+}
+
+static void test_of_two_pulses_a_period_apart_the_first_is_the_runs(void)
+{
+    send_start_and_two_pulses(US(500));
+    TEST_ASSERT_EQUAL(1, bench_the_event(OPMS_EVENT_START)->argument);
+    TEST_ASSERT_BITS_HIGH(OPMS_TRIGGER_RUN, reports.triggers[0].flags);
+    TEST_ASSERT_EQUAL(1, reports.triggers[1].first_run_number);
+}
+
+static void test_the_runs_first_pulse_is_told_without_a_second(void)
+{
+    bench_bring_to(OPMS_BOX_WAITING);
+    const box_input_t start = {BOX_INPUT_START, now, 0, 0};
+    const box_input_t pulse = {BOX_INPUT_PULSE, now + 129, 7, 0};
+    box_input(&box, &start);
+    box_input(&box, &pulse);
+    TEST_ASSERT_TRUE(box_has_report(&box)); /* the loop must not go to sleep on it */
+    now += 129 + 17;
+    box_tick(&box, now);
+    TEST_ASSERT_EQUAL(OPMS_REPORT_TRIGGER, bench_take_report());
+    TEST_ASSERT_EQUAL(OPMS_BOX_RUNNING, box_state(&box));
+}
+
+static void test_a_stop_at_once_after_the_first_pulse_still_tells_the_run(void)
+{
+    bench_bring_to(OPMS_BOX_WAITING);
+    const box_input_t start = {BOX_INPUT_START, now, 0, 0};
+    const box_input_t pulse = {BOX_INPUT_PULSE, now + 129, 7, 0};
+    const box_input_t stopped = {BOX_INPUT_STOPPED, now + 130, 0, 0};
+    box_input(&box, &start);
+    box_input(&box, &pulse);
+    box_input(&box, &stopped);
+    bench_drain();
+    TEST_ASSERT_EQUAL(OPMS_BOX_IDLE, box_state(&box));
+    TEST_ASSERT_EQUAL(7, bench_the_event(OPMS_EVENT_START)->argument);
+    TEST_ASSERT_EQUAL(7, bench_the_event(OPMS_EVENT_STOP)->argument);
+    TEST_ASSERT_EQUAL(1, reports.trigger_count);
+}
+
 static void test_start_after_the_last_pulse_of_the_preamble_cuts_nothing(void)
 {
     bench_bring_to(OPMS_BOX_RUNNING);
@@ -347,6 +414,10 @@ int main(void)
     RUN_TEST(test_start_within_the_preamble_cuts_it_after_any_of_its_pulses);
     RUN_TEST(test_a_pulse_of_the_preamble_within_the_debounce_is_not_of_the_run);
     RUN_TEST(test_of_two_pulses_at_once_the_later_is_the_first_of_the_run);
+    RUN_TEST(test_of_two_pulses_at_once_the_later_is_the_runs_first);
+    RUN_TEST(test_of_two_pulses_a_period_apart_the_first_is_the_runs);
+    RUN_TEST(test_the_runs_first_pulse_is_told_without_a_second);
+    RUN_TEST(test_a_stop_at_once_after_the_first_pulse_still_tells_the_run);
     RUN_TEST(test_start_after_the_last_pulse_of_the_preamble_cuts_nothing);
     RUN_TEST(test_further_starts_are_refused_and_disturb_nothing);
     RUN_TEST(test_a_refused_start_tells_the_state_and_its_edge);
