@@ -8,7 +8,7 @@
 const LONGEST = 8;
 const JMP = { always: 0, notX: 1, decX: 2, notY: 3, decY: 4, differ: 5, pin: 6 };
 
-const isSetPins = (opcode) => opcode >>> 13 === 7 && [0, 4].includes((opcode >>> 5) & 7);
+const isSetPins = (opcode) => [0xe000, 0xe080].includes(opcode & 0xe0e0);
 const isNop = (opcode) => (opcode & 0xe0ff) === 0xa042 || (opcode & 0xe0ff) === 0xa021;
 
 /** The pins that an instruction drives: {mask, value, isDirections}, by side-set or by SET. */
@@ -55,8 +55,8 @@ function outcome(machine, condition) {
 }
 
 /** The loop that begins at the machine's next instruction.
- * @returns {length, holds, iterations, xSteps, ySteps, pin}: its length in ticks, a mask of the pins
- * that it keeps driving, the pin that it looks at or -1; null if there is no such loop. */
+ * @returns {length, holds, iterations, xSteps, ySteps, pin}: its length in ticks, a mask of the
+ * pins that it keeps driving, the pin that it looks at or -1; null if there is no such loop. */
 export function findLoop(machine) {
     const used = new Set();
     const { memory } = machine.block;

@@ -128,7 +128,7 @@ test('settings that rotted in flash are not taken for settings', () => {
     }
 });
 
-test('SET answers while the flash is busy, tells SETTINGS_STORED, and refuses others as busy', () => {
+test('SET answers at once, tells SETTINGS_STORED later, and refuses another as busy', () => {
     const bench = new Bench(), from = bench.reports.length;
     const results = [];
     for (const settings of [NEW, OLD]) { // the second one comes before the first is written
