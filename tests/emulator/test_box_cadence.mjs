@@ -32,6 +32,10 @@ for (const rate of rates) {
         assert.equal(missing, 0, 'every pulse in a report');
         assert.deepEqual(lateReports(bench, preamble, bench.rises()), []);
         assert.ok(triggers.every(({ flags }) => !(flags & FLAG.DELAYED)));
+        const last = preamble + bench.rises().length, oldest = last - 8191;
+        const history = bench.readHistory(oldest - 2, oldest + 1);
+        const held = [...history.values()].map(({ flags }) => !(flags & FLAG.NOT_HELD));
+        assert.deepEqual(held, [false, false, true, true], 'the last 8192 are held');
     });
 
     test(`the same at ${rate} Hz while the host hammers control requests`, () => {
