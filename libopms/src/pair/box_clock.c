@@ -173,7 +173,7 @@ static void refit(opms_clock_t *clock, int64_t newest_host_ns)
     fit->state = clock->line.has_slope ? OPMS_CLOCK_FITTED : OPMS_CLOCK_COARSE;
     fit->round_trips = clock->line.used;
     fit->drift_ppm = clock->line.slope * 1e6;
-    fit->drift_sigma_ppm = clock->line.slope_sigma * 1e6;
+    fit->drift_sigma_ppm = sqrt(clock->line.slope_variance) * 1e6;
     fit->residual_ns = clock->line.residual_ns;
     fit->sigma_ns = pair_line_sigma_ns(&clock->line, newest_host_ns);
     fit->bound_ns = clock->line.shortest_ns / 2;
@@ -200,8 +200,8 @@ opms_status_t opms_clock_push(opms_clock_t *clock, const opms_round_trip_t *trip
         return OPMS_OK;
     }
     if (!is_on_line(clock, &middle)) {
-        ++clock->fit.refused;
         if (++clock->refused_in_a_row < REFUSED_IN_A_ROW_MAX) {
+            ++clock->fit.refused;
             return OPMS_OK;
         }
         forget_trips(clock); /* so many cannot all be wrong */

@@ -7,6 +7,10 @@
 #include <opms/clock.h>
 
 #define TRIPS_FOR_A_SLOPE 4    /* two make a line of any noise */
+#define SLOPE_START 60e-6     /* what is expected of two quartz clocks that are not known yet */
+#define SLOPE_WALK 0.15e-6    /* what temperature does to them from ping to ping */
+#define REUSE 8.0             /* the same trips are used in so many fits */
+#define NOISE_FLOOR_NS2 (50e3 * 50e3)
 #define OUTLIER_SIGMAS 4.0
 #define OUTLIER_FLOOR_NS 100e3 /* residuals below this are never outliers: polls of 1 ms */
 
@@ -35,13 +39,18 @@ static uint32_t take_shortest(const pair_trip_t *trips, uint32_t count, uint32_t
 
 /** Sums about the mean of the chosen trips. x: host, y: box less host. */
 typedef struct moments {
-    double x_mean, y_mean, xx, xy;
+    double x_mean, y_mean, xx, xy, yy;
 } moments_t;
+
+/** A slope and how well it is known. */
+typedef struct slope {
+    double value, variance;
+} slope_t;
 
 static moments_t moments_of(const pair_trip_t *trips, const uint32_t *chosen, uint32_t count,
                             const pair_trip_t *origin)
 {
-    moments_t m = {0, 0, 0, 0};
+    moments_t m = {0, 0, 0, 0, 0};
     for (uint32_t i = 0; i < count; ++i) {
         const pair_trip_t *trip = &trips[chosen[i]];
         const double x = (double)(trip->host_ns - origin->host_ns);
@@ -54,25 +63,41 @@ static moments_t moments_of(const pair_trip_t *trips, const uint32_t *chosen, ui
         const double y = (double)(trip->box_ns - origin->box_ns) - x;
         m.xx += (x - m.x_mean) * (x - m.x_mean);
         m.xy += (x - m.x_mean) * (y - m.y_mean);
+        m.yy += (y - m.y_mean) * (y - m.y_mean);
     }
     return m;
 }
 
+/** The slope that was known, and what these trips add to it. */
+static slope_t learn_slope(slope_t known, const moments_t *m, uint32_t count, double slope_max)
+{
+    if (count < TRIPS_FOR_A_SLOPE || m->xx <= 0) {
+        return known;
+    }
+    const double seen = fmin(fmax(m->xy / m->xx, -slope_max), slope_max);
+    const double noise = fmax((m->yy - m->xy * m->xy / m->xx) / (count - 2), NOISE_FLOOR_NS2);
+    const double variance = REUSE * noise / m->xx;
+    const double gain = known.variance / (known.variance + variance);
+    const slope_t slope = {known.value + gain * (seen - known.value),
+                           (1 - gain) * known.variance};
+    return slope;
+}
+
 static void put_line(pair_line_t *line, const pair_trip_t *trips, const uint32_t *chosen,
-                     uint32_t count, double slope_max)
+                     uint32_t count, slope_t known, double slope_max)
 {
     const pair_trip_t *origin = &trips[chosen[0]];
     const moments_t m = moments_of(trips, chosen, count, origin);
-    const double slope = m.xx > 0 ? m.xy / m.xx : 0;
+    const slope_t slope = learn_slope(known, &m, count, slope_max);
     line->used = count;
     line->shortest_ns = origin->length_ns;
-    line->has_slope = count >= TRIPS_FOR_A_SLOPE && m.xx > 0 && fabs(slope) <= slope_max;
+    line->has_slope = count >= TRIPS_FOR_A_SLOPE;
+    line->slope = slope.value;
+    line->slope_variance = slope.variance;
     if (!line->has_slope) { /* the fastest trip alone */
-        line->slope = 0;
         line->host_ns = origin->host_ns;
         line->box_ns = origin->box_ns;
     } else {
-        line->slope = slope;
         line->host_ns = origin->host_ns + llround(m.x_mean);
         line->box_ns = origin->box_ns + llround(m.x_mean) + llround(m.y_mean);
     }
@@ -85,7 +110,6 @@ static void put_line(pair_line_t *line, const pair_trip_t *trips, const uint32_t
     }
     line->residual_ns = llround(worst);
     const double variance = count > 2 ? squares / (count - 2) : 0;
-    line->slope_sigma = line->has_slope ? sqrt(variance / m.xx) : 0;
     line->point_sigma_ns = line->has_slope ? sqrt(variance / count)
                                            : (double)line->shortest_ns / 2 / sqrt(3.0);
 }
@@ -123,10 +147,15 @@ void pair_line_fit(pair_line_t *line, const pair_trip_t *trips, uint32_t count, 
     while (pair_trip_is_slow(trips[chosen[used - 1]].length_ns, trips[chosen[0]].length_ns)) {
         --used;
     }
-    put_line(line, trips, chosen, used, slope_max);
+    slope_t known = {0, SLOPE_START * SLOPE_START};
+    if (line->slope_variance > 0) {
+        known.value = line->slope;
+        known.variance = fmin(line->slope_variance + SLOPE_WALK * SLOPE_WALK, known.variance);
+    }
+    put_line(line, trips, chosen, used, known, slope_max);
     while (line->has_slope && used > TRIPS_FOR_A_SLOPE &&
            drop_outlier(line, trips, chosen, &used)) {
-        put_line(line, trips, chosen, used, slope_max);
+        put_line(line, trips, chosen, used, known, slope_max);
     }
 }
 
@@ -148,5 +177,5 @@ int64_t pair_line_host(const pair_line_t *line, int64_t box_ns)
 int64_t pair_line_sigma_ns(const pair_line_t *line, int64_t host_ns)
 {
     const double since = (double)host_ns - (double)line->host_ns;
-    return llround(fmin(hypot(line->point_sigma_ns, line->slope_sigma * since), 1e15));
+    return llround(fmin(hypot(line->point_sigma_ns, sqrt(line->slope_variance) * since), 1e15));
 }

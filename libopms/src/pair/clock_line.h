@@ -17,7 +17,8 @@ typedef struct pair_line {
     double slope;
     int has_slope;
     uint32_t used;
-    double slope_sigma, point_sigma_ns;
+    double slope_variance; /* 0: nothing is known of the slope */
+    double point_sigma_ns;
     int64_t residual_ns, shortest_ns;
 } pair_line_t;
 
@@ -28,7 +29,12 @@ static inline int pair_trip_is_slow(int64_t length_ns, int64_t shortest_ns)
 }
 
 /** Fit to the `best` shortest of `count` trips (1 to OPMS_CLOCK_WINDOW_MAX).
- * @param slope_max  A steeper line is not believed: then the slope stays 0. */
+ *
+ * The slope is that of two quartz clocks: it hardly changes, and some seconds tell it badly. So it
+ * is carried on from fit to fit (a Kalman filter of one state), and only the offset is new each
+ * time.
+ * @param[in,out] line  The fit before this one, or all 0.
+ * @param slope_max     A steeper line is not believed. */
 void pair_line_fit(pair_line_t *line, const pair_trip_t *trips, uint32_t count, uint32_t best,
                    double slope_max);
 
