@@ -51,6 +51,9 @@ static void identify(box_identity_t *identity)
     report->history_entries = OPMS_BOX_HISTORY_ENTRIES;
 }
 
+static const edge_source_t edge_source = {edge_tagger_peek_pulse, edge_tagger_drop_pulse,
+                                          edge_tagger_peek_level, edge_tagger_drop_level};
+
 static void take_edges(void)
 {
     box_input_t input;
@@ -58,6 +61,15 @@ static void take_edges(void)
     box_cycles_t now = cycle_clock_now();
     while (edge_order_next(&order, now, &input))
         box_input(&box, &input);
+}
+
+/* What noise did to the taggers is mended where no pulse can be lost by it. */
+static void mend_taggers(void)
+{
+    if (!edge_tagger_is_outrun() || box_state(&box) != OPMS_BOX_IDLE || stopping)
+        return;
+    edge_tagger_restart();
+    edge_order_init(&order, &edge_source, box_settings(&box));
 }
 
 static void arm(void)
@@ -131,9 +143,7 @@ static void start_up(void)
     box_lines_set_polarity(box_settings(&box));
     pulse_generator_init();
     edge_tagger_init();
-    static const edge_source_t source = {edge_tagger_peek_pulse, edge_tagger_drop_pulse,
-                                         edge_tagger_peek_level, edge_tagger_drop_level};
-    edge_order_init(&order, &source, box_settings(&box));
+    edge_order_init(&order, &edge_source, box_settings(&box));
     cycle_clock_init();
     usb_descriptors_set_serial(identity.report.unique_id);
     usb_link_init(&box);
@@ -148,6 +158,7 @@ int main(void)
         usb_link_work();
         act(box_take_actions(&box));
         take_edges();
+        mend_taggers();
         finish_stop();
         box_cycles_t now = cycle_clock_now();
         box_tick(&box, now);

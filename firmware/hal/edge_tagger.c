@@ -43,6 +43,7 @@ static uint32_t tails[MACHINES];
 static uint32_t missed_edges[2];              /* of TRIG, by one machine but not by the other */
 static box_cycles_t started_at;
 static box_cycles_t looked_at;
+static bool outrun[EDGE_LINES];
 
 _Static_assert(sizeof(tag_ring_t) == 1U << RING_BYTES_LOG2, "DMA wraps at powers of two");
 
@@ -209,9 +210,23 @@ void edge_tagger_drop_pulse(void)
 
 /* --- levels ----------------------------------------------------------------------------------- */
 
+/* A machine that found its FIFO full stood still until there was room. */
+static bool stood_still(uint machine)
+{
+    return (pio1->fdebug & (1U << (PIO_FDEBUG_RXSTALL_LSB + machine))) != 0;
+}
+
+bool edge_tagger_is_outrun(void)
+{
+    return outrun[EDGE_LINE_START] || outrun[EDGE_LINE_STROBE];
+}
+
 bool edge_tagger_peek_level(edge_line_t line, edge_level_t *edge)
 {
     uint machine = FIRST_LEVEL_MACHINE + (uint)line;
+    outrun[line] = outrun[line] || stood_still(machine);
+    if (outrun[line])
+        tails[machine] = heads[machine];
     if (heads[machine] == tails[machine])
         return false;
     /* Rises and falls alternate from start-up on, and the ring has room for an even number. */
@@ -234,6 +249,7 @@ static void on_edge(void)
     pio_set_irq0_source_mask_enabled(pio1, WAKING_SOURCES, false);
 }
 
+/* Every machine begins with nothing counted and nothing in its ring. */
 static void init_machine(uint machine, pio_sm_config *config, uint pin, uint begin)
 {
     sm_config_set_jmp_pin(config, pin);
@@ -257,10 +273,10 @@ static void start_machines(void)
     restore_interrupts(status);
 }
 
-void edge_tagger_init(void)
+static uint pulse_at, level_at; /* the programs */
+
+static void init_machines(void)
 {
-    uint pulse_at = (uint)pio_add_program(pio1, &pulse_tagger_program);
-    uint level_at = (uint)pio_add_program(pio1, &level_tagger_program);
     pio_sm_config pulse = pulse_tagger_program_get_default_config(pulse_at);
     pio_sm_config level = level_tagger_program_get_default_config(level_at);
     init_machine(0, &pulse, PIN_TRIG, pulse_at + pulse_tagger_offset_begin);
@@ -269,7 +285,29 @@ void edge_tagger_init(void)
                  level_at + level_tagger_offset_begin);
     init_machine(FIRST_LEVEL_MACHINE + EDGE_LINE_STROBE, &level, PIN_STROBE,
                  level_at + level_tagger_offset_begin);
+}
+
+void edge_tagger_init(void)
+{
+    pulse_at = (uint)pio_add_program(pio1, &pulse_tagger_program);
+    level_at = (uint)pio_add_program(pio1, &level_tagger_program);
+    init_machines();
     start_machines();
     irq_set_exclusive_handler(PIO1_IRQ_0, on_edge);
     irq_set_enabled(PIO1_IRQ_0, true);
+}
+
+void edge_tagger_restart(void)
+{
+    pio_set_sm_mask_enabled(pio1, (1U << MACHINES) - 1U, false);
+    for (uint machine = 0; machine < MACHINES; machine++) {
+        dma_channel_abort(machine);
+        finished_transfers[machine] = 0;
+        heads[machine] = 0;
+        tails[machine] = 0;
+    }
+    missed_edges[0] = missed_edges[1] = 0;
+    outrun[EDGE_LINE_START] = outrun[EDGE_LINE_STROBE] = false;
+    init_machines();
+    start_machines();
 }
