@@ -45,9 +45,10 @@ class BadCalls(unittest.TestCase):
                 self.assertTrue(result.stderr)
 
     def test_bad_files_end_with_4_and_are_named(self):
-        for content, word in ((b"", "empty"), (b"\x7fELF", "no UF2 file"),
-                              (block()[:300], "within"), (block(family=0xE48BFF59), "another microcontroller"),
-                              (block(count=2), "cut short"), (block(), "checksum")):
+        cases = ((b"", "empty"), (b"\x7fELF", "no UF2 file"), (block()[:300], "within"),
+                 (block(family=0xE48BFF59), "another microcontroller"),
+                 (block(count=2), "cut short"), (block(), "checksum"))
+        for content, word in cases:
             with self.subTest(word=word):
                 path = self.write(content)
                 result = flash(path)
