@@ -67,7 +67,7 @@ class EmulatedBox {
         this.pins = boardPins();
         this.board = new Board({ image, flash, seed });
         this.host = new UsbHost(this.board);
-        this.session = null;
+        this.disconnect();
         this.saved = flash.work;
         const tell = (bytes) => this.session?.write(bytes);
         this.host.onReady = (device) => tell(socketMessages.attached(device));
@@ -76,11 +76,18 @@ class EmulatedBox {
         this.board.listeners.push((...edge) => this.session?.edge(...edge));
     }
 
+    /** The endpoint is read while somebody has the device open, as operating systems do. */
     connect(session) {
         this.session = session;
+        this.host.polls = true;
         if (this.host.device) {
             session.write(socketMessages.attached(this.host.device));
         }
+    }
+
+    disconnect() {
+        this.session = null;
+        this.host.polls = false;
     }
 
     /** Keep up with the wall clock, a little at a time so that the socket stays responsive. */
@@ -127,7 +134,7 @@ class Door {
             this.waiting = this.waiting.filter((other) => other !== socket);
             if (this.inside === socket) {
                 this.inside = null;
-                this.box.session = null;
+                this.box.disconnect();
                 this.#next();
             }
         });

@@ -40,7 +40,7 @@ export class BoxSession {
             case KIND.PLUG: host.plug(payload.readUInt8(0) !== 0); break;
             case KIND.POWER:
                 board.powerOff();
-                board.at(board.now + OFF_CYCLES, () => board.powerOn());
+                board.at(board.now + OFF_CYCLES, () => board.isOn || board.powerOn());
                 break;
             default: this.watches = payload.readUInt8(0) !== 0; // WATCH
         }
