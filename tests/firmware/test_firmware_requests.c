@@ -267,6 +267,7 @@ static void test_while_settings_are_written_all_that_needs_idle_is_busy(void)
     }
     TEST_ASSERT_EQUAL_HEX32(0, box_take_actions(&box));
     TEST_ASSERT_EQUAL(20000, box_settings_to_store(&box)->period_us);
+    TEST_ASSERT_EQUAL(OPMS_REFUSAL_NONE, bench_get_settings().last_set);
     box_stored(&box, true, now);
     TEST_ASSERT_EQUAL(20000, box_settings(&box)->period_us);
     bench_bring_to(OPMS_BOX_ARMED);

@@ -173,6 +173,20 @@ static void test_the_flag_of_a_missing_exposure_is_news_once(void)
     TEST_ASSERT_BITS_LOW(OPMS_TRIGGER_STROBE_MISSING, last_trigger()->flags);
 }
 
+static void test_late_reports_of_pulses_without_exposure_tell_it_once(void)
+{
+    bench_run();
+    for (unsigned i = 1; i < 6; i++) {
+        bench_next_pulse();
+    }
+    bench_drain();
+    TEST_ASSERT_EQUAL(6, reports.trigger_count);
+    TEST_ASSERT_BITS_HIGH(OPMS_TRIGGER_STROBE_MISSING, reports.triggers[0].flags);
+    for (unsigned i = 1; i < 6; i++) {
+        TEST_ASSERT_BITS_LOW(OPMS_TRIGGER_STROBE_MISSING, reports.triggers[i].flags);
+    }
+}
+
 static void test_an_exposure_may_last_beyond_the_next_pulse(void)
 {
     bench_run();
@@ -281,6 +295,7 @@ int main(void)
     RUN_TEST(test_a_camera_that_does_nothing_is_missed_at_every_pulse);
     RUN_TEST(test_a_missing_exposure_is_counted_and_told_once);
     RUN_TEST(test_the_flag_of_a_missing_exposure_is_news_once);
+    RUN_TEST(test_late_reports_of_pulses_without_exposure_tell_it_once);
     RUN_TEST(test_an_exposure_may_last_beyond_the_next_pulse);
     RUN_TEST(test_an_exposure_that_ends_after_it_was_told_missing_changes_nothing);
     RUN_TEST(test_only_the_first_exposure_after_a_pulse_counts);
