@@ -66,7 +66,8 @@ void bind_write(nb::module_ &module, Writer<Report> write, Reader<Report> reader
             check(reader(bytes, sizeof bytes, nullptr));
             return nb::bytes(bytes, sizeof bytes);
         },
-        "report"_a, "The 64 bytes of a report. Raises Error (ERR_ARG) where a field is out of range.");
+        "report"_a,
+        "The 64 bytes of a report. Raises Error (ERR_ARG) where a field is out of range.");
 }
 
 void bind_writers(nb::module_ &module)
