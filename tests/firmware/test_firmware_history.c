@@ -189,7 +189,7 @@ static void test_lost_pulses_between_held_ones_are_not_held(void)
     check_held(&got.entries[0], 9);
 }
 
-/* --- the log alone ------------------------------------------------------------------------------ */
+/* --- the log alone ----------------------------------------------------------------------------*/
 
 static pulse_log_t pulse_log;
 

@@ -77,7 +77,8 @@ static void test_of_many_triggers_every_eighth_lets_another_pass(void)
 }
 
 /* The endpoint takes one report a millisecond, and half of the time the host pings and the line
- * glitches at each of them: 10 s at the shortest period. A report is handed over when the one before has been taken. */
+ * glitches at each of them: 10 s at the shortest period. A report is handed over when the one
+ * before has been taken. */
 static void test_each_trigger_is_taken_within_2_ms_whatever_else_is_going_on(void)
 {
     bench_run();
