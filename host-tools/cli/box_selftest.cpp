@@ -18,7 +18,7 @@ void SelftestRecord::take(const opms_box_item_t &item)
         int64_t host_ns = 0;
         const bool known = watch_.host_time(item.as.trigger.time, host_ns);
         const double latency_ms = static_cast<double>(item.t_host_ns - host_ns) / 1e6;
-        triggers_[item.as.trigger.trigger_number] = {item.as.trigger, known ? latency_ms : -1};
+        triggers_[item.as.trigger.trigger_number] = {item.as.trigger, known, latency_ms};
     } else if (item.kind == OPMS_ITEM_EVENT) {
         events_.push_back(item.as.event);
     } else if (item.kind == OPMS_ITEM_STATUS) {

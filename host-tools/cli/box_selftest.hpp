@@ -32,7 +32,8 @@ class SelftestRecord {
 public:
     struct Trigger {
         opms_trigger_report_t report;
-        double latency_ms; /**< from pulse to arrival; negative: not known */
+        bool has_latency;
+        double latency_ms; /**< from pulse to arrival, by the clock model */
     };
 
     SelftestRecord(const BoxDevice &device, uint32_t period_us) : device_(device), watch_(period_us)

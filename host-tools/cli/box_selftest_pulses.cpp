@@ -109,7 +109,7 @@ void Selftest::check_reports()
     size_t delayed = 0;
     for (const auto &entry : record_.triggers()) {
         delayed += (entry.second.report.flags & OPMS_TRIGGER_DELAYED) ? 1 : 0;
-        if (entry.second.latency_ms >= 0) {
+        if (entry.second.has_latency) {
             latencies.push_back(entry.second.latency_ms);
         }
     }

@@ -77,7 +77,8 @@ def identity(boot, unique_id, version=PROTOCOL, firmware=(0, 2, 0)):
 def settings(body=DEFAULT_SETTINGS, last_set=0, pending=False, stored=True):
     """What the box answers to a GET; @p body is bytes 4 to 35."""
     flags = (1 if pending else 0) | (2 if stored else 0)
-    return seal(SETTINGS, {2: bytes([last_set, flags]), 4: body, 36: struct.pack("<H", crc16(body))})
+    return seal(SETTINGS, {2: bytes([last_set, flags]), 4: body,
+                           36: struct.pack("<H", crc16(body))})
 
 
 def history(boot, token, session, remaining, entries):

@@ -104,7 +104,6 @@ void BoxCore::read_thread()
         if (result.status == OPMS_OK) {
             read_until_gone();
             set_disconnected();
-            transport_->close();
         } else if (is_first) {
             return;
         }
@@ -137,6 +136,7 @@ void BoxCore::set_disconnected()
         connected_ = false;
         changed_.notify_all();
     }
+    transport_->close();
     tell_link(OPMS_LINK_DISCONNECTED, 0, "the box was unplugged; seeking it");
 }
 
