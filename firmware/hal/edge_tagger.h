@@ -37,8 +37,8 @@ void edge_tagger_drop_pulse(void);
 bool edge_tagger_peek_level(edge_line_t line, edge_level_t *edge);
 void edge_tagger_drop_level(edge_line_t line);
 
-/* Did noise on START or STROBE, of tens of MHz, outrun the DMA? The line's clock is late since then:
- * its edges are not told any more, until edge_tagger_restart(). Pulses are not concerned. */
+/* Did noise on START or STROBE, of tens of MHz, outrun the DMA? The line's clock is late since: its
+ * edges are not told any more, until edge_tagger_restart(). Pulses are not concerned. */
 bool edge_tagger_is_outrun(void);
 
 /* Start anew, numbers included: for IDLE, when all in sight has been dropped. */
