@@ -60,7 +60,7 @@ public:
         const Place place = choose();
         /* Those that run now: whoever comes in addition is the one that was flashed. */
         ids_.erase(std::remove(ids_.begin(), ids_.end(), entered_), ids_.end());
-        std::unique_ptr<Bootloader> bootloader = bootloaders_.open(place);
+        std::unique_ptr<Bootloader> bootloader = open(place);
         hooks_.talk("writing to the bootloader on " + place.name());
         write(*bootloader, image);
         reboot(*bootloader);
@@ -138,6 +138,22 @@ private:
                                       "with --no-enter");
     }
 
+    /** A device that has just come up may not be ours yet: udev sets permissions a little later. */
+    std::unique_ptr<Bootloader> open(const Place &place)
+    {
+        for (int waited = 0;; waited += SESSION_POLL_MS) {
+            try {
+                return bootloaders_.open(place);
+            } catch (const FlashError &error) {
+                if (error.fault() != Fault::permission || entered_.empty() ||
+                    waited >= SESSION_SETTLE_MS) {
+                    throw;
+                }
+            }
+            hooks_.sleep_ms(SESSION_POLL_MS);
+        }
+    }
+
     void write(Bootloader &bootloader, const Image &image)
     {
         try {
@@ -170,12 +186,29 @@ private:
         for (int waited = 0; waited < SESSION_RETURN_MS; waited += SESSION_POLL_MS) {
             hooks_.sleep_ms(SESSION_POLL_MS);
             if (const auto id = newcomer(ids_, boxes_.list())) {
-                return boxes_.version(*id);
+                return ask(*id);
             }
         }
         throw FlashError(Fault::no_return,
                          "the firmware was written and verified, but no box came back. Unplug it, "
                          "plug it in again, and see whether `opms box list` shows it");
+    }
+
+    BoxVersion ask(const std::string &id)
+    {
+        for (int waited = 0;; waited += SESSION_POLL_MS) {
+            try {
+                return boxes_.version(id);
+            } catch (const FlashError &error) {
+                if (error.fault() != Fault::no_device || waited >= SESSION_SETTLE_MS) {
+                    throw FlashError(Fault::no_return,
+                                     "the firmware was written and verified and box " + id +
+                                         " is back, but it does not tell its version: " +
+                                         error.what());
+                }
+            }
+            hooks_.sleep_ms(SESSION_POLL_MS);
+        }
     }
 
     const SessionOptions &options_;

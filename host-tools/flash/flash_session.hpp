@@ -73,6 +73,7 @@ struct SessionHooks {
 constexpr int SESSION_POLL_MS = 100;
 constexpr int SESSION_ENTER_MS = 8000;   /**< for a box to come up as a bootloader */
 constexpr int SESSION_RETURN_MS = 15000; /**< for a flashed box to come back */
+constexpr int SESSION_SETTLE_MS = 2000;  /**< for the system to let us open what has come up */
 
 /** Flash one box and wait until it is back. @return What it then says of itself
  * (nothing, unless options.sees_boxes).

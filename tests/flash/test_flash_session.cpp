@@ -31,6 +31,7 @@ struct Desk {
     int enter_ms = 300, return_ms = 700; /**< how long that takes; -1: for ever */
     std::function<void()> on_write = [] {};
     Fault reboot_fault = Fault::no_device; /**< no_device: none */
+    int open_refusals = 0, version_refusals = 0; /**< times that there is no permission yet */
 
     int now_ms = 0, due_ms = -1;
     std::function<void()> due;
@@ -96,6 +97,10 @@ public:
     std::vector<Place> list() override { return desk_.bootloaders; }
     std::unique_ptr<Bootloader> open(const Place &place) override
     {
+        if (desk_.open_refusals > 0) {
+            --desk_.open_refusals;
+            throw FlashError(Fault::permission, "not yet");
+        }
         desk_.log.push_back("open " + place.port);
         return std::make_unique<DeskBootloader>(desk_, place);
     }
@@ -115,7 +120,14 @@ public:
         all.erase(std::remove(all.begin(), all.end(), id), all.end());
         desk_.later(desk_.enter_ms, [this] { desk_.bootloaders.push_back(desk_.enters_as); });
     }
-    BoxVersion version(const std::string &id) override { return {id, "1.2.3", "abc"}; }
+    BoxVersion version(const std::string &id) override
+    {
+        if (desk_.version_refusals > 0) {
+            --desk_.version_refusals;
+            throw FlashError(Fault::no_device, "not yet");
+        }
+        return {id, "1.2.3", "abc"};
+    }
 
 private:
     Desk &desk_;
@@ -310,6 +322,32 @@ static void test_a_box_that_does_not_come_back_is_reported(void)
     assert_written(desk);
 }
 
+static void test_permissions_that_come_a_little_late_are_waited_for(void)
+{
+    Desk desk;
+    desk.boxes = {"00000000000000AA"};
+    desk.open_refusals = 5;
+    desk.version_refusals = 5;
+    TEST_ASSERT_EQUAL_STRING("1.2.3", flash_on(desk).firmware.c_str());
+}
+
+static void test_permissions_that_never_come_end_the_session(void)
+{
+    Desk desk;
+    desk.boxes = {"00000000000000AA"};
+    desk.open_refusals = 1000;
+    TEST_ASSERT_EQUAL_STRING("not yet", fails(desk, Fault::permission).c_str());
+    desk = Desk();
+    desk.bootloaders = {{1, 4, "3"}}; /* was there before: no reason to wait */
+    desk.open_refusals = 1000;
+    fails(desk, Fault::permission);
+    TEST_ASSERT_EQUAL(0, desk.now_ms);
+    desk = Desk();
+    desk.bootloaders = {{1, 4, "3"}};
+    desk.version_refusals = 1000;
+    assert_says(fails(desk, Fault::no_return), "written and verified");
+}
+
 static void test_without_sight_of_boxes_none_is_waited_for(void)
 {
     Desk desk;
@@ -336,6 +374,8 @@ int main(void)
     RUN_TEST(test_other_faults_while_writing_are_passed_on);
     RUN_TEST(test_a_bootloader_that_is_gone_at_its_reboot_has_obeyed);
     RUN_TEST(test_a_box_that_does_not_come_back_is_reported);
+    RUN_TEST(test_permissions_that_come_a_little_late_are_waited_for);
+    RUN_TEST(test_permissions_that_never_come_end_the_session);
     RUN_TEST(test_without_sight_of_boxes_none_is_waited_for);
     return UNITY_END();
 }
