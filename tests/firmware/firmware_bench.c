@@ -196,9 +196,20 @@ void bench_stop(void)
     TEST_ASSERT_EQUAL(OPMS_BOX_IDLE, box_state(&box));
 }
 
+#define ROOM(array) (sizeof(array) / sizeof((array)[0]))
+
+static bool has_room(void)
+{
+    return reports.trigger_count < ROOM(reports.triggers) &&
+           reports.event_count < ROOM(reports.events) && reports.pong_count < ROOM(reports.pongs) &&
+           reports.status_count < ROOM(reports.statuses) &&
+           reports.order_count < ROOM(reports.order);
+}
+
 static void keep(uint8_t id, const uint8_t *bytes)
 {
     opms_wire_result_t result = OPMS_WIRE_ID;
+    TEST_ASSERT_TRUE_MESSAGE(has_room(), "the bench has no room for more reports");
     if (id == OPMS_REPORT_TRIGGER) {
         result = opms_wire_read_trigger(bytes, OPMS_WIRE_SIZE,
                                         &reports.triggers[reports.trigger_count++]);

@@ -13,9 +13,9 @@ enum { SESSION = 0x5E551043, BOOT = 0x0B007B01 };
 /* Reports as they came, by kind; drained from the box by bench_drain(). */
 typedef struct bench_reports {
     opms_trigger_report_t triggers[16384];
-    opms_event_report_t events[256];
-    opms_pong_report_t pongs[64];
-    opms_status_report_t statuses[64];
+    opms_event_report_t events[1024];
+    opms_pong_report_t pongs[1024];
+    opms_status_report_t statuses[1024];
     uint8_t order[20000]; /* ids in the order in which they came */
     uint32_t trigger_count, event_count, pong_count, status_count, order_count;
 } bench_reports_t;
