@@ -69,6 +69,7 @@ class EmulatedBox {
         this.host = new UsbHost(this.board);
         this.disconnect();
         this.saved = flash.work;
+        this.told = 0;
         const tell = (bytes) => this.session?.write(bytes);
         this.host.onReady = (device) => tell(socketMessages.attached(device));
         this.host.onGone = () => tell(socketMessages.detached());
@@ -101,7 +102,10 @@ class EmulatedBox {
             owed -= ms;
             this.board.runTo(this.board.now + Math.round(ms * CYCLES_PER_MS));
         }, TICK_MS);
-        setInterval(() => this.save(), SAVE_EVERY_MS);
+        setInterval(() => {
+            this.save();
+            this.tellFaults();
+        }, SAVE_EVERY_MS);
     }
 
     save() {
@@ -113,9 +117,11 @@ class EmulatedBox {
         }
     }
 
-    /** What the emulator found wrong with the program. */
+    /** What the emulator has found wrong with the program, each once. */
     tellFaults() {
-        this.board.allFaults().forEach((text) => process.stderr.write(`emulated box: ${text}\n`));
+        const faults = this.board.allFaults();
+        faults.slice(this.told).forEach((text) => process.stderr.write(`emulated box: ${text}\n`));
+        this.told = faults.length;
     }
 }
 

@@ -24,8 +24,9 @@ function assertEvenPulses(rises, edge, periodMs) {
     rises.slice(1).forEach((cycle, index) => assert.equal(cycle - rises[index], periodMs * MS));
 }
 
-test('UF2 and plain binary are the same program', () => {
+test('UF2 and plain binary are the same program', (context) => {
     const { image, sha256, path } = shippedFirmware();
+    context.diagnostic(`the program under test is ${path}, SHA-256 ${sha256}`);
     const other = loadFirmware(firmwareBeside(path));
     assert.ok(Math.abs(image.length - other.image.length) < 256, 'but for the last page');
     const shared = Math.min(image.length, other.image.length);
