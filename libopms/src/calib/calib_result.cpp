@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "base/fail.h"
+#include "calib/calib_correlation.h"
 #include "calib/calib_covariance.h"
 #include "calib/calib_solve.h"
 #include "calib/calib_start.h"
@@ -258,7 +259,8 @@ opms_status_t write_result(opms_calibrator &calibrator, const SolveEnd &end,
     result.iterations = (uint32_t)end.iterations;
     result.residual_rms_px = std::sqrt(tally.px2 / std::max(1U, tally.inliers));
     result.chi2_dof = tally.sigmas2 / freedom / INLIER_VARIANCE;
-    if (!solve_covariance(calibrator, end.scale, result.chi2_dof, with_cockle)) {
+    const double variance = result.chi2_dof * residual_correlation(calibrator);
+    if (!solve_covariance(calibrator, end.scale, variance, with_cockle)) {
         return opms_fail(
             err, OPMS_ERR_DOMAIN, STAGE, -1,
             "the pictures leave the camera undetermined: tilt the camera between them");
