@@ -53,17 +53,17 @@ function workOfSet(flash) {
     return copy.work - before;
 }
 
-/** Cuts to try: all of them, or the borders and a sample between. */
-function cutsOf(work) {
+/** Cuts to try: all of them, or each byte of a programmed page and a sample of an erase. */
+function cutsOf(work, every = 1) {
+    const all = Array.from({ length: work + 1 }, (_, index) => index);
     if (LONG) {
-        return Array.from({ length: work + 1 }, (_, index) => index);
+        return all;
     }
-    const random = randomGenerator(99), borders = [0, SECTOR, work];
-    const near = borders.flatMap((at) => [at - 2, at - 1, at, at + 1, at + 2]);
-    const page = Array.from({ length: 12 }, () => SECTOR + (random() % (work - SECTOR + 1)));
-    const sample = Array.from({ length: 12 }, () => random() % work);
-    return [...new Set([...near, ...page, ...sample])].filter((at) => at >= 0 && at <= work)
-        .sort((a, b) => a - b);
+    const random = randomGenerator(99), pageFrom = work - (work % SECTOR || SECTOR);
+    const isBorder = (at) => [0, SECTOR, work].some((border) => Math.abs(at - border) <= 2);
+    const isSampled = (at) => (at >= pageFrom && work - pageFrom <= 512
+        ? at % every === 0 : random() % 60 === 0);
+    return all.filter((at) => isBorder(at) || isSampled(at));
 }
 
 test('settings outlive the power', () => {
@@ -77,7 +77,7 @@ test('settings outlive the power', () => {
 for (const [name, times] of [['once', 1], ['twice', 2], ['many times', 7]]) {
     test(`a power cut at any byte leaves old settings or new ones (stored ${name} before)`, () => {
         const flash = flashWith(OLD, times), work = workOfSet(flash);
-        const cuts = cutsOf(work).filter((_, index) => times === 1 || LONG || index % 4 === 0);
+        const cuts = cutsOf(work, times === 1 ? 2 : 16);
         let failures = 0, renewed = 0;
         for (const bytes of cuts) {
             const copy = copyOf(flash);
@@ -101,7 +101,7 @@ test('a power cut in the very first write leaves the defaults or the new setting
     const flash = new FlashChip();
     flash.load(shippedFirmware().image);
     const work = workOfSet(flash);
-    for (const bytes of cutsOf(work).filter((_, index) => LONG || index % 3 === 0)) {
+    for (const bytes of cutsOf(work, 16)) {
         const copy = copyOf(flash);
         cutWhileSetting(copy, bytes, bytes);
         const { stored, period } = periodOf(copy);
