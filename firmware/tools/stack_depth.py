@@ -38,7 +38,6 @@ INDIRECT = {
     "runtime_run_initializers": "runtime_init_",
     "runtime_init": [],
     "runtime_run_per_core_initializers": "runtime_init_",
-    "alarm_pool_irq_handler": [],  # nobody sets an alarm of the pool
     "flash_range_erase": [ROM], "flash_range_program": [ROM], "flash_do_cmd": [ROM],
     "flash_enable_xip_via_boot2": [ROM], "rom_func_lookup": [ROM], "rom_reset_usb_boot": [ROM],
 }
@@ -48,7 +47,7 @@ LEAVES = re.compile(r"__gnu_thumb1_case_\w+|irq_handler_chain_\w+")
 # The start-up code calls one after the other, with nothing on the stack.
 PROGRAM = ["runtime_init", "main"]
 # Interrupts have one priority, so that one of them at a time adds to what main takes.
-INTERRUPTS = ["dcd_rp2040_irq", "on_edge", "on_alarm", "alarm_pool_irq_handler"]
+INTERRUPTS = ["dcd_rp2040_irq", "on_edge", "on_alarm"]
 
 FUNCTION = re.compile(r"^([0-9a-f]{8}) <(.+)>:$")
 INSTRUCTION = re.compile(r"^\s*([0-9a-f]+):\t[0-9a-f ]+\t(\S+)(?:\t(.*))?$")
