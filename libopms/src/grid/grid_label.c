@@ -34,7 +34,8 @@ static float corner_grey(const view_t *view, const lattice_node_t *corner[4], in
     for (int i = 0; i < 5; ++i) {
         const float x = MARKER_MIDDLE + MARKER_SPREAD * around[i][0];
         const float y = MARKER_MIDDLE + MARKER_SPREAD * around[i][1];
-        sum += cell_grey(view, corner, far[k][0] > 0.f ? 1.f - x : x, far[k][1] > 0.f ? 1.f - y : y);
+        sum +=
+            cell_grey(view, corner, far[k][0] > 0.f ? 1.f - x : x, far[k][1] > 0.f ? 1.f - y : y);
     }
     return 0.2f * sum;
 }

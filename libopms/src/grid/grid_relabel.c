@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Nothing but its labels tells one part of a grid from the next. Between two pictures taken shortly
- * after one another a node moves little; a label that is wrong by one moves all nodes by a pitch. So
- * all quarter turns and shifts around the likely one are tried: the right one moves the nodes by
+ * after one another a node moves little; a label that is wrong by one moves all nodes by a pitch.
+ * So all quarter turns and shifts around the likely one are tried: the right one moves the nodes by
  * much less than the pitch, all others by much more, or nothing is certain. */
 #include <math.h>
 #include <string.h>

@@ -69,7 +69,8 @@ static int confirm_node(const view_t *view, lattice_node_t *node)
     const vec2_t crossing = vec2_add(point[0], along[0], vec2_cross(between, along[1]) / det);
     const vec2_t off = {crossing.x - node->at.x, crossing.y - node->at.y};
     const float shorter = fminf(vec2_length(e[0]), vec2_length(e[1]));
-    if (vec2_length(off) > REACH * shorter + 1.f || !view_holds(view, crossing.x, crossing.y, 1.0)) {
+    if (vec2_length(off) > REACH * shorter + 1.f ||
+        !view_holds(view, crossing.x, crossing.y, 1.0)) {
         return 0;
     }
     node->at = crossing;
@@ -123,8 +124,8 @@ static vec2_t expected_step(opms_grid_detector_t *d, int i, int j, int di, int d
     return told;
 }
 
-/* The step across the way from (i, j) to a node that lies at `at`: to what is found beside that node,
- * else beside (i, j), else what (i, j) was told. */
+/* The step across the way from (i, j) to a node that lies at `at`: to what is found beside that
+ * node, else beside (i, j), else what (i, j) was told. */
 static vec2_t step_across(opms_grid_detector_t *d, int i, int j, int di, int dj, vec2_t at)
 {
     const lattice_node_t *node = node_at(d, i, j);

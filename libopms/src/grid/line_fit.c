@@ -226,7 +226,8 @@ int fit_line(const view_t *view, const line_stretch_t *stretch, line_fit_t *fit)
         at = a;
         along = l;
     }
-    const vec2_t white = vec2_add(stretch->at, stretch->along, 0.5f * (stretch->from + stretch->to));
+    const vec2_t white =
+        vec2_add(stretch->at, stretch->along, 0.5f * (stretch->from + stretch->to));
     const float origin = view_holds(view, white.x, white.y, 0.0)
         ? view_bilinear(view, white.x, white.y)
         : 0.f;

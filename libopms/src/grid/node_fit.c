@@ -48,8 +48,8 @@ static vec2_t chord(opms_grid_detector_t *d, int i, int j, int axis)
     return step;
 }
 
-/* One arm alone knows where the line is, but not where it goes on to: offset and direction pull each
- * other. The next nodes inside tell the direction, bending included. */
+/* One arm alone knows where the line is, but not where it goes on to: offset and direction pull
+ * each other. The next nodes inside tell the direction, bending included. */
 static void lean_on_neighbours(opms_grid_detector_t *d, int i, int j, int axis,
                                line_stretch_t *stretch)
 {
