@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* With a jumper from TRIG to START the box sees its own pulses. A run cannot be started so, since
- * START during the preamble would end it; with a debounce longer than a pulse each one comes back as
- * a glitch instead, whose length is measured: both pins, and the wire between, are good. */
+ * START during the preamble would end it; with a debounce longer than a pulse each one comes back
+ * as a glitch instead, whose length is measured: both pins, and the wire between, are good. */
 #include <algorithm>
 #include <cstdlib>
 

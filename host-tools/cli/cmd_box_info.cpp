@@ -48,7 +48,8 @@ bool write_text(const opms_identity_report_t &identity, const opms_status_report
     line("firmware", box_firmware_text(identity) +
                          box_text(", protocol %d", OPMS_WIRE_PROTOCOL));
     line("state", std::string(opms_box_state_name(status.state)) +
-                      box_text(", up for %.1f s since %s", static_cast<double>(status.uptime_us) / 1e6,
+                      box_text(", up for %.1f s since %s",
+                               static_cast<double>(status.uptime_us) / 1e6,
                                box_reset_text(status.reset_cause)));
     line("session", box_text("%u, last pulse %u", status.session_id, status.trigger_number));
     line("counted", box_text("%u glitches, %u starts refused, %u strobes missing, %u pulses "

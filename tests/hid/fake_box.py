@@ -45,6 +45,7 @@ class FakeBox:
         self.lose_history = 0      # answers to GET HISTORY that get lost on the way
         self.wrong_gap_us = 0      # makes the second pulse of a preamble come late
         self.silent = False        # nothing is reported
+        self.jumper_cycles = 0     # TRIG is wired to START, which sees pulses of this length
         self.commands = queue.Queue()
         self.history_gets = 0
         self.closing = False
@@ -309,6 +310,8 @@ class FakeBox:
         flags = wire.RUN_FLAG if self.state == wire.RUNNING else wire.PREAMBLE_FLAG
         gaps = [self._gap_us(due_ns, number - 1), self._gap_us(None, number - 1)]
         self.trigger(number, number not in self.lose, flags, due_ns, gaps)
+        if self.jumper_cycles and flags == wire.PREAMBLE_FLAG:
+            self.event(wire.EVENT_GLITCH, self.jumper_cycles)
         if flags == wire.RUN_FLAG:
             self.due_ns = due_ns + 1000 * struct.unpack_from("<I", self.settings)[0]
         elif number <= len(self.gaps_ms):

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """What the tests of opms::hid share: a fake box, and the probe program at the other end."""
+import contextlib
 import json
 import os
 import queue
@@ -26,6 +27,7 @@ class Probe:
                                         stdout=subprocess.PIPE, text=True)
         self.lines = queue.Queue()
         self.seen = []
+        self.unread = []  # items that came while an answer was waited for
         self.reader = threading.Thread(target=self._read, daemon=True)
         self.reader.start()
 
@@ -46,11 +48,12 @@ class Probe:
         self.process.stdin.flush()
 
     def reply(self, name):
-        """The next answer of that name; items before it are kept in `seen`."""
+        """The next answer of that name; items before it can still be waited for."""
         while True:
             line = self.next()
             if line.get("reply") == name:
                 return line
+            self.unread.append(line)
 
     def ask(self, command):
         self.send(command)
@@ -59,7 +62,7 @@ class Probe:
     def wait_item(self, item, **fields):
         """The next item with these fields; what comes before it is kept in `seen`."""
         while True:
-            line = self.next()
+            line = self.unread.pop(0) if self.unread else self.next()
             if line.get("item") == item and all(line.get(k) == v for k, v in fields.items()):
                 return line
 
@@ -77,7 +80,8 @@ class Probe:
         finally:
             self.process.kill()
             self.reader.join(PATIENCE_S)
-            self.process.stdin.close()
+            with contextlib.suppress(BrokenPipeError):
+                self.process.stdin.close()
             self.process.stdout.close()
         return self.process.returncode
 

@@ -11,6 +11,8 @@
 /** Plug the device in, at another node than the last time, as a kernel does.
  * @return Whether that worked. */
 bool mock_device_plug(uint32_t boot_id);
+/** Can a device that somebody has open be pulled out and put back? */
+extern const bool mock_device_replugs;
 /** How hidapi names the place where it is now. */
 const char *mock_device_path(void);
 /** Pull it out. */

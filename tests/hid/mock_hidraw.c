@@ -24,6 +24,8 @@
 #define HID_PATH USB_PATH "/1-1:1.0/0003:1209:0001.0001"
 #define RAW_PATH HID_PATH "/hidraw/hidraw"
 
+const bool mock_device_replugs = true;
+
 static UMockdevTestbed *testbed;
 static UMockdevIoctlBase *handler;
 static pthread_t peer;

@@ -185,10 +185,21 @@ bool BoxCore::wait_seen(const std::function<bool(const Seen &)> &is_enough,
     return is_enough(seen_);
 }
 
-void BoxCore::history_wanted(int change)
+bool BoxCore::begin_history_turn(Clock::time_point deadline)
+{
+    Lock lock(mutex_);
+    ++history_wanted_;
+    const bool is_ours =
+        changed_.wait_until(lock, deadline, [this] { return !history_taken_; });
+    history_taken_ = history_taken_ || is_ours;
+    return is_ours;
+}
+
+void BoxCore::end_history_turn(bool was_ours)
 {
     const std::lock_guard<std::mutex> guard(mutex_);
-    history_wanted_ += change;
+    --history_wanted_;
+    history_taken_ = history_taken_ && !was_ours;
     changed_.notify_all();
 }
 

@@ -56,9 +56,10 @@ public:
     Seen seen();
     /** Wait until what was seen satisfies that. @return Whether it did by the deadline. */
     bool wait_seen(const std::function<bool(const Seen &)> &is_enough, Clock::time_point deadline);
-    /** HISTORY has one selection: callers take turns, and gaps wait. */
-    std::timed_mutex &history_turn() { return history_turn_; }
-    void history_wanted(int change);
+    /** HISTORY has one selection: callers take turns, and gaps wait meanwhile.
+     * @return Whether it is the caller's turn; end_history_turn() in any case. */
+    bool begin_history_turn(Clock::time_point deadline);
+    void end_history_turn(bool was_ours);
 
 private:
     struct Request {
@@ -98,7 +99,6 @@ private:
     ItemQueue queue_;
     std::mutex deliver_mutex_; /* of is_closed_ and the callback */
     bool is_closed_ = false;
-    std::timed_mutex history_turn_;
     std::thread reader_, worker_;
 
     std::mutex mutex_; /* of all below */
@@ -116,7 +116,8 @@ private:
     std::deque<std::shared_ptr<Request>> requests_;
     uint64_t requests_failed_ = 0, filled_ = 0, unfilled_ = 0;
     std::deque<Gap> new_gaps_;
-    int history_wanted_ = 0;
+    int history_wanted_ = 0; /* by callers */
+    bool history_taken_ = false;
     uint32_t ping_id_;
     Clock::time_point next_ping_;
 

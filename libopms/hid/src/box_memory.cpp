@@ -124,25 +124,18 @@ opms_status_t read_history(BoxCore &core, uint32_t session_id, uint32_t first, u
 /** Takes the turn of a caller at HISTORY for a scope. */
 class HistoryTurn {
 public:
-    HistoryTurn(BoxCore &core, Clock::time_point deadline) : core_(core)
+    HistoryTurn(BoxCore &core, Clock::time_point deadline)
+        : core_(core), is_ours_(core.begin_history_turn(deadline))
     {
-        core_.history_wanted(1);
-        is_ours_ = core_.history_turn().try_lock_until(deadline);
     }
     HistoryTurn(const HistoryTurn &) = delete;
     HistoryTurn &operator=(const HistoryTurn &) = delete;
-    ~HistoryTurn()
-    {
-        if (is_ours_) {
-            core_.history_turn().unlock();
-        }
-        core_.history_wanted(-1);
-    }
+    ~HistoryTurn() { core_.end_history_turn(is_ours_); }
     bool is_ours() const { return is_ours_; }
 
 private:
     BoxCore &core_;
-    bool is_ours_;
+    const bool is_ours_;
 };
 
 } // namespace

@@ -131,12 +131,13 @@ Io EmulatedSocket::read(uint32_t attachment, Input &input, Clock::time_point dea
 Io EmulatedSocket::request(Message kind, const std::vector<uint8_t> &payload,
                            std::vector<uint8_t> &bytes, Clock::time_point deadline)
 {
-    uint32_t number = 0;
+    uint32_t number = 0, attachment = 0;
     {
         const std::lock_guard<std::mutex> guard(mutex_);
         if (!attached_) {
             return Io::gone;
         }
+        attachment = attachments_;
         number = next_request_++;
         answers_[number] = Answer();
     }
@@ -145,12 +146,12 @@ Io EmulatedSocket::request(Message kind, const std::vector<uint8_t> &payload,
     message.insert(message.end(), payload.begin(), payload.end());
     const bool sent = send(kind, message);
     std::unique_lock<std::mutex> lock(mutex_);
-    changed_.wait_until(lock, deadline,
-                        [&] { return !sent || !alive_ || answers_[number].done; });
+    const auto is_gone = [&] { return !sent || !attached_ || attachments_ != attachment; };
+    changed_.wait_until(lock, deadline, [&] { return is_gone() || answers_[number].done; });
     const Answer answer = answers_[number];
     answers_.erase(number);
     if (!answer.done) {
-        return sent && alive_ ? Io::timed_out : Io::gone;
+        return is_gone() ? Io::gone : Io::timed_out;
     }
     bytes = answer.bytes;
     constexpr Io ENDS[] = {Io::done, Io::stalled, Io::gone, Io::timed_out};
