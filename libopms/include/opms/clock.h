@@ -46,7 +46,7 @@ typedef struct opms_clock_fit {
     double drift_sigma_ppm; /**< standard deviation of it; 0 where it is not known */
     int64_t residual_ns;  /**< largest distance of a round trip's middle from the line */
     int64_t sigma_ns;     /**< standard deviation of a conversion at the newest round trip */
-    int64_t bound_ns;     /**< no conversion there is off by more: half the fastest round trip */
+    int64_t bound_ns;     /**< no conversion there is off by more: half the longest one used */
     int64_t newest_host_ns; /**< arrival of the newest round trip */
     uint64_t accepted, refused; /**< since the clock was reset; refused: impossible or gated */
 } opms_clock_fit_t;

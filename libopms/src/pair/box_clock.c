@@ -176,7 +176,7 @@ static void refit(opms_clock_t *clock, int64_t newest_host_ns)
     fit->drift_sigma_ppm = sqrt(clock->line.slope_variance) * 1e6;
     fit->residual_ns = clock->line.residual_ns;
     fit->sigma_ns = pair_line_sigma_ns(&clock->line, newest_host_ns);
-    fit->bound_ns = clock->line.shortest_ns / 2;
+    fit->bound_ns = clock->line.longest_ns / 2;
     fit->newest_host_ns = newest_host_ns;
 }
 

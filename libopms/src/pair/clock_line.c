@@ -12,6 +12,7 @@
 #define REUSE 8.0             /* the same trips are used in so many fits */
 #define NOISE_FLOOR_NS2 (50e3 * 50e3)
 #define OUTLIER_SIGMAS 4.0
+#define ALLOWED_NS 1500000    /* longer than the fastest: polls of 1 ms on both ways */
 #define OUTLIER_FLOOR_NS 100e3 /* residuals below this are never outliers: polls of 1 ms */
 
 /** Indices of the shortest trips, shortest first. @return How many. */
@@ -91,6 +92,7 @@ static void put_line(pair_line_t *line, const pair_trip_t *trips, const uint32_t
     const slope_t slope = learn_slope(known, &m, count, slope_max);
     line->used = count;
     line->shortest_ns = origin->length_ns;
+    line->longest_ns = origin->length_ns;
     line->has_slope = count >= TRIPS_FOR_A_SLOPE;
     line->slope = slope.value;
     line->slope_variance = slope.variance;
@@ -100,6 +102,7 @@ static void put_line(pair_line_t *line, const pair_trip_t *trips, const uint32_t
     } else {
         line->host_ns = origin->host_ns + llround(m.x_mean);
         line->box_ns = origin->box_ns + llround(m.x_mean) + llround(m.y_mean);
+        line->longest_ns = trips[chosen[count - 1]].length_ns;
     }
     double squares = 0, worst = 0;
     for (uint32_t i = 0; i < count; ++i) {
@@ -144,8 +147,10 @@ void pair_line_fit(pair_line_t *line, const pair_trip_t *trips, uint32_t count, 
 {
     uint32_t chosen[OPMS_CLOCK_WINDOW_MAX] = {0};
     uint32_t used = take_shortest(trips, count, best, chosen);
-    while (pair_trip_is_slow(trips[chosen[used - 1]].length_ns, trips[chosen[0]].length_ns)) {
-        --used;
+    const int64_t shortest_ns = trips[chosen[0]].length_ns;
+    const int64_t allowed_ns = shortest_ns / 2 > ALLOWED_NS ? shortest_ns / 2 : ALLOWED_NS;
+    while (trips[chosen[used - 1]].length_ns - shortest_ns > allowed_ns) {
+        --used; /* the best of bad ones, beside a good one */
     }
     slope_t known = {0, SLOPE_START * SLOPE_START};
     if (line->slope_variance > 0) {

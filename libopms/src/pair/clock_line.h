@@ -19,7 +19,7 @@ typedef struct pair_line {
     uint32_t used;
     double slope_variance; /* 0: nothing is known of the slope */
     double point_sigma_ns;
-    int64_t residual_ns, shortest_ns;
+    int64_t residual_ns, shortest_ns, longest_ns; /* of the trips used */
 } pair_line_t;
 
 /** A trip that is so much slower than the fastest would only spoil the line. */

@@ -11,8 +11,8 @@
 
 #define FRAMES_MAX 12
 #define FITS_MIN 4
-#define FITS_ALIVE 3   /* a way that so many frames may fit is not excluded */
-#define MISFITS_MAX 1  /* an extra frame, a late one */
+#define FITS_ALIVE 3   /* a way that so many frames may fit, and most of them, is not excluded */
+#define MISFITS_MAX 1  /* of the way that is taken: an extra frame, a late one */
 #define AHEAD FRAMES_MAX
 #define STAMP_TOLERANCE_NS 400000
 #define STAMP_DRIFT 300e-6
@@ -133,7 +133,8 @@ static int is_alive(const opms_pairer_t *pairer, const fit_t *fit)
     const int is_early =
         pairer->floor.known && fit->fits > 0 &&
         fit->least_delay_ns < pair_floor_ns(&pairer->floor) - FLOOR_TOLERANCE_NS;
-    return !is_early && fit->misfits <= MISFITS_MAX && fit->fits + fit->unknown >= FITS_ALIVE;
+    const uint32_t may_fit = fit->fits + fit->unknown;
+    return !is_early && may_fit >= FITS_ALIVE && may_fit > fit->misfits;
 }
 
 int pair_seek_by_pattern(const opms_pairer_t *pairer, pair_candidate_t *found)
@@ -159,7 +160,7 @@ int pair_seek_by_pattern(const opms_pairer_t *pairer, pair_candidate_t *found)
             found->offset = newest->id - number;
         }
     }
-    if (alive != 1 || only.fits < FITS_MIN) {
+    if (alive != 1 || only.fits < FITS_MIN || only.misfits > MISFITS_MAX) {
         return 0;
     }
     found->first = only.first;
