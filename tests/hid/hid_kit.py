@@ -27,7 +27,8 @@ class Probe:
                                         stdout=subprocess.PIPE, text=True)
         self.lines = queue.Queue()
         self.seen = []
-        self.unread = []  # items that came while an answer was waited for
+        self.unread = []   # items that came while an answer was waited for
+        self.replies = []  # answers that came while an item was waited for
         self.reader = threading.Thread(target=self._read, daemon=True)
         self.reader.start()
 
@@ -50,10 +51,11 @@ class Probe:
     def reply(self, name):
         """The next answer of that name; items before it can still be waited for."""
         while True:
-            line = self.next()
+            line = self.replies.pop(0) if self.replies else self.next()
             if line.get("reply") == name:
                 return line
-            self.unread.append(line)
+            if "item" in line:
+                self.unread.append(line)
 
     def ask(self, command):
         self.send(command)
@@ -63,6 +65,8 @@ class Probe:
         """The next item with these fields; what comes before it is kept in `seen`."""
         while True:
             line = self.unread.pop(0) if self.unread else self.next()
+            if "reply" in line:
+                self.replies.append(line)
             if line.get("item") == item and all(line.get(k) == v for k, v in fields.items()):
                 return line
 
