@@ -95,7 +95,49 @@ AT(opms_location_t, bar, 16);
 AT(opms_location_t, pose, 80);
 AT(opms_location_t, ground_detector, 888);
 
+SIZE(opms_round_trip_t, 32);
+AT(opms_round_trip_t, received_box_ns, 8);
+AT(opms_round_trip_t, arrived_host_ns, 24);
+
+SIZE(opms_clock_fit_t, 72);
+AT(opms_clock_fit_t, drift_ppm, 8);
+AT(opms_clock_fit_t, residual_ns, 24);
+AT(opms_clock_fit_t, bound_ns, 40);
+AT(opms_clock_fit_t, accepted, 56);
+
+SIZE(opms_camera_profile_t, 56);
+AT(opms_camera_profile_t, has_camera_time, 12);
+AT(opms_camera_profile_t, camera_tick_hz, 24);
+AT(opms_camera_profile_t, start_delay_ns, 40);
+
+SIZE(opms_frame_t, 40);
+AT(opms_frame_t, camera_time_ticks, 8);
+AT(opms_frame_t, arrival_host_ns, 16);
+AT(opms_frame_t, tag, 24);
+AT(opms_frame_t, flags, 32);
+
+SIZE(opms_pair_result_t, 160);
+AT(opms_pair_result_t, trigger_state, 8);
+AT(opms_pair_result_t, witnesses, 16);
+AT(opms_pair_result_t, boot_id, 28);
+AT(opms_pair_result_t, trigger_number, 40);
+AT(opms_pair_result_t, trigger_box_ns, 56);
+AT(opms_pair_result_t, mid_exposure_box_ns, 88);
+AT(opms_pair_result_t, frame, 120);
+
+SIZE(opms_pair_gap_t, 8);
+SIZE(opms_pair_counters_t, 192);
+SIZE(opms_pair_summary_t, 456);
+AT(opms_pair_summary_t, counters, 32);
+
 /* Options grow at their end; what stands before stays. */
+AT(opms_clock_options_t, struct_size, 0);
+AT(opms_clock_options_t, window, 4);
+AT(opms_clock_options_t, allocator, 16);
+AT(opms_pair_options_t, struct_size, 0);
+AT(opms_pair_options_t, max_wait_ms, 4);
+AT(opms_pair_options_t, camera, 16);
+AT(opms_pair_options_t, allocator, 72);
 AT(opms_bar_options_t, struct_size, 0);
 AT(opms_bar_options_t, min_square_px, 4);
 AT(opms_bar_options_t, allocator, 8);

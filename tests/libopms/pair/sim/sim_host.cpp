@@ -36,7 +36,8 @@ public:
          std::vector<bool> &delivered, bool delays_learnt, Faults &faults, Random &random,
          Figures &figures)
         : profile_(profile), session_(session), next_box_(next_box), subject_(subject),
-          delivered_(delivered), delays_learnt_(delays_learnt), faults_(faults), random_(random), figures_(figures)
+          delivered_(delivered), delays_learnt_(delays_learnt), faults_(faults), random_(random),
+          figures_(figures)
     {
     }
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Which frames have two witnesses: decided from the truth, and from nothing that the pairer says. */
+/* Which frames have two witnesses: by the truth, and by nothing that the pairer says. */
 #include "sim_pairable.h"
 
 #include <algorithm>
