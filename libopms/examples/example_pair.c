@@ -96,7 +96,7 @@ int main(void)
     if (status == OPMS_OK) {
         status = opms_pairer_open(pairer, 1, 1, &settings, &err);
     }
-    int64_t last_ms = 0; /* of the pulse before, as the box tells it; a lost report is one of them */
+    int64_t last_ms = 0; /* of the pulse that was reported last */
     for (size_t i = 0; i < sizeof recording / sizeof recording[0] && status == OPMS_OK; ++i) {
         const recorded_t *entry = &recording[i];
         const int is_report = entry->kind == 't';
