@@ -42,6 +42,13 @@ FREESTANDING = {f"{name}.h" for name in
                 "float iso646 limits stdalign stdarg stdbool stddef stdint stdnoreturn".split()}
 # x86 and ARM vector intrinsics belong to the compiler, not to a library.
 COMPILER_HEADERS = {"immintrin.h", "emmintrin.h", "xmmintrin.h", "arm_neon.h"}
+# The firmware's folders, in the order in which they may use each other, and what of libopms.
+FIRMWARE_ORDER = ["core", "hal", "app"]
+FIRMWARE_MAY_READ = {
+    "core": {"opms/wire.h"},
+    "hal": {"opms/wire.h"},
+    "app": {"opms/wire.h", "opms/version.h"},
+}
 SUFFIXES = {".c", ".h", ".cpp", ".hpp"}
 HIDAPI_HEADER = re.compile(r"(hidapi/)?hidapi\w*\.h$")
 POSIX_HEADER = re.compile(r"((sys|arpa|netinet)/\w+|fcntl|poll|pthread|unistd)\.h$")
@@ -50,7 +57,7 @@ INCLUDE = re.compile(r'^\s*#\s*include\s*(["<])([^">]+)[">]')
 
 def sources(root):
     """All C and C++ files of the tree, with their path relative to it."""
-    for top in ("libopms", "host-tools", "bindings", "tests"):
+    for top in ("libopms", "firmware", "host-tools", "bindings", "tests"):
         for path in sorted((root / top).rglob("*")):
             if path.suffix in SUFFIXES and path.is_file():
                 yield path, PurePosixPath(path.relative_to(root).as_posix())
@@ -72,7 +79,8 @@ def is_standard(name):
 def resolve(root, source, name):
     """The file of the tree that an include means, or None for one from outside."""
     for base in (root / source.parent, root / "libopms/src", root / "libopms/include",
-                 root / "libopms/apriltag/include", root / "libopms/hid/include"):
+                 root / "libopms/apriltag/include", root / "libopms/hid/include",
+                 root / "firmware/core", root / "firmware/hal", root / "firmware/app"):
         path = (base / name).resolve()
         if path.is_file() and path.is_relative_to(root):
             return PurePosixPath(path.relative_to(root).as_posix())
@@ -141,6 +149,25 @@ def check_hid(name, target):
     return "opms::hid depends on hidapi, POSIX and the run time only"
 
 
+def check_firmware(source, name, target):
+    """app -> hal -> core -> opms/wire.h; only hal and app know the chip."""
+    folder = source.parts[1]
+    if is_under(target, "libopms"):
+        if name in FIRMWARE_MAY_READ[folder]:
+            return None
+        return f"firmware/{folder} may read {', '.join(sorted(FIRMWARE_MAY_READ[folder]))} only"
+    if is_under(target, "firmware"):
+        other = target.parts[1]
+        if FIRMWARE_ORDER.index(other) > FIRMWARE_ORDER.index(folder):
+            # The pins stand in app, where a person looks for them, and nowhere else.
+            pins = folder == "hal" and target.name == "board_pins.h"
+            return None if pins else f"firmware/{folder} comes before firmware/{other}"
+        return None
+    if folder == "core" and name not in FREESTANDING | {"string.h"}:
+        return "firmware/core is plain C: no hardware, no SDK"
+    return None
+
+
 def check_shell(source, name, target):
     """Rules of host-tools and bindings: people-facing, outside of the library."""
     if is_under(target, "libopms/src"):
@@ -172,6 +199,8 @@ def check(root, source, name):
         return check_apriltag(name, target)
     if is_under(source, "libopms/hid"):
         return check_hid(name, target)
+    if is_under(source, "firmware"):
+        return check_firmware(source, name, target)
     if is_under(source, "host-tools") or is_under(source, "bindings"):
         return check_shell(source, name, target)
     return None

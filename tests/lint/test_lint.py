@@ -60,6 +60,10 @@ class Includes(Tree):
         self.assert_refused("libopms/hid/src/x.cpp", '#include "base/fail.h"', "public headers")
         self.assert_refused("libopms/hid/src/x.cpp", "#include <libusb.h>", "depends on hidapi")
 
+    def test_the_logic_of_the_firmware_must_not_know_the_chip(self):
+        self.assert_refused("firmware/core/x.c", '#include "hardware/pio.h"', "plain C")
+        self.assert_refused("firmware/core/x.c", '#include <opms/lens.h>', "opms/wire.h only")
+
     def test_a_kit_must_not_include_another(self):
         self.assert_refused("libopms/src/lens/x.c", '#include "bar/search.h"', "inside of bar")
 
