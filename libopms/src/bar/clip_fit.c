@@ -8,11 +8,11 @@
 #include "bar/solve_spd.h"
 
 /* Where white is cut at a part of its true height, what is left of a profile is its foot. How far
- * before the edge the foot lies depends on the blur, which differs between the two families of sides
- * in a picture that moved, and on the height of what was cut off. Neither is seen in one profile:
- * a foot looks like another foot of more blur and more height. But the pitch of the squares tells
- * where the sides along X must lie, and both families share the height. So all is solved for
- * together, by Gauss and Newton. */
+ * before the edge the foot lies depends on the blur, which differs between the two families of
+ * sides in a picture that moved, and on the height of what was cut off. Neither is seen in one
+ * profile: a foot looks like another foot of more blur and more height. But the pitch of the
+ * squares tells where the sides along X must lie, and both families share the height. So all is
+ * solved for together, by Gauss and Newton. */
 
 #define CLIP_LEAST 0.12
 #define CLIP_STEP 0.4    /* of the logarithm */
@@ -163,7 +163,8 @@ void clip_take(edge_scene_t *scene, const double change[CLIP_UNKNOWNS])
     scene->still_px += fmax(-BLUR_STEP, fmin(BLUR_STEP, change_still));
     scene->cross_px2 += change[CLIP_FIRST + CLIP_CROSS];
     for (int family = 0; family < 2; ++family) {
-        const double wider = fmax(-BLUR_STEP, fmin(BLUR_STEP, change[CLIP_FIRST + CLIP_BLUR + family]));
+        const double wider =
+            fmax(-BLUR_STEP, fmin(BLUR_STEP, change[CLIP_FIRST + CLIP_BLUR + family]));
         scene->blur_px[family] =
             fmin(BLUR_MOST, fmax(BLUR_LEAST, scene->blur_px[family] + wider));
     }

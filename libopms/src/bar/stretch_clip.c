@@ -99,7 +99,8 @@ static shaped_profile_t coverage(const side_model_t *model, float s, float along
         w.step = 1.f - (1.f - w.step) * there.step -
                  corner_excess(lean, -z, w.pulse / model->per_sigma, to_end, density);
         /* To first order in the lesser part of the motion. */
-        w.by_cross = -(along < 0.f ? -1.f : 1.f) * there.pulse * cross_pulse(&model->blur, s, w.pulse);
+        w.by_cross =
+            -(along < 0.f ? -1.f : 1.f) * there.pulse * cross_pulse(&model->blur, s, w.pulse);
         w.step += model->cross * w.by_cross;
         w.pulse *= there.step + lean * z * density;
         w.by_box *= there.step;
