@@ -13,7 +13,7 @@ import { KIND, STATUS } from './box_socket.mjs';
 import * as wire from './wire_reports.mjs';
 import * as requests from './wire_requests.mjs';
 
-const here = dirname(fileURLToPath(import.meta.url)), PATIENCE_MS = 30000;
+const here = dirname(fileURLToPath(import.meta.url)), PATIENCE_MS = 120000;
 const folder = mkdtempSync(join(tmpdir(), 'opms-emulated-box-'));
 const started = [];
 after(() => {
@@ -149,10 +149,11 @@ test('a host attaches, reads, arms, starts and sees the pulses that left', async
     assert.equal((await client.get(wire.ID.STATUS)).status, STATUS.STALLED);
     assert.equal((await client.get(wire.ID.IDENTITY, 10)).bytes.length, 10);
     const settings = requests.settingsSet({ preambleMs: [], periodUs: 20000 });
+    const stored = client.report(wire.ID.EVENT,
+        (event) => event.kind === wire.EVENT.SETTINGS_STORED);
     assert.deepEqual(await client.ask(KIND.SET, settings),
         { status: STATUS.DONE, bytes: Buffer.alloc(0) });
-    const stored = (event) => event.kind === wire.EVENT.SETTINGS_STORED;
-    await client.report(wire.ID.EVENT, stored);
+    await stored;
     client.send(KIND.WATCH, [1]);
     const waiting = client.report(wire.ID.EVENT, (event) => event.kind === wire.EVENT.WAITING);
     const arm = requests.command(wire.OPCODE.ARM, 9);
