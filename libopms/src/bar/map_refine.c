@@ -141,7 +141,7 @@ static int select_good(bar_fit_t *fit, float contrast_least, float offset_most,
         /* A stretch's own variance, drawn towards the picture's by as much weight again. */
         const float own = (float)s->pixels;
         const float mixed = (own * s->variance + 20.f * variance) / (own + 20.f);
-        fit->sigma[i] = s->sigma_unit * sqrtf(mixed > variance ? mixed : variance);
+        fit->sigma[i] = s->sigma_unit * sqrtf(mixed);
         ++n;
     }
     return n;
@@ -279,6 +279,16 @@ static int clamp_index(int k)
     return k < 0 ? 0 : k >= OPMS_BAR_SQUARES ? OPMS_BAR_SQUARES - 1 : k;
 }
 
+/** Variance of a stretch's own black or white level, for noise 1; somewhat too small, since its
+ * place and the ground are taken as known. */
+static float level_variance(const stretch_t *s, int white)
+{
+    const float n = s->sums.n, mean = s->sums.x[W] / n;
+    const float spread = s->sums.xx[W][W] - mean * s->sums.x[W];
+    const float from = white ? 1.f - mean : mean;
+    return 1.f / n + from * from / fmaxf(spread, 1.f);
+}
+
 /** Learn black and white from the stretches of a pass and solve these again with both. Their
  * scatter, light and shade included, says how far they may be believed in any one place. */
 static void learn_levels(bar_fit_t *fit)
@@ -286,23 +296,28 @@ static void learn_levels(bar_fit_t *fit)
     grey_levels_t levels;
     for (int white = 0; white < 2; ++white) {
         int n = 0;
+        float own = 0;
         for (int i = 0; i < fit->count; ++i) {
             const stretch_t *s = &fit->stretch[i];
             if (fit->good[i]) {
                 fit->residual[n++] = s->black + (white ? s->contrast : 0.f);
+                own += level_variance(s, white);
             }
         }
         if (n < GOOD_LEAST) {
             return;
         }
+        own *= fit->noise * fit->noise / (float)n;
         const float middle = median(fit->residual, n);
         for (int i = 0; i < n; ++i) {
             fit->residual[i] = fabsf(fit->residual[i] - middle);
         }
-        const float scatter =
-            fmaxf(1.4826f * median(fit->residual, n), LEVEL_SCATTER_LEAST * fit->noise);
+        /* Of what they scatter, their own noise says nothing of the light. */
+        const float scatter = 1.4826f * median(fit->residual, n);
+        const float least = LEVEL_SCATTER_LEAST * fit->noise;
+        const float light = fmaxf(scatter * scatter - own, least * least);
         levels.grey[white] = middle;
-        levels.weight[white] = fit->noise * fit->noise / (scatter * scatter);
+        levels.weight[white] = fit->noise * fit->noise / light;
     }
     fit->levels = levels;
     for (int i = 0; i < fit->count; ++i) {

@@ -240,7 +240,11 @@ int stretch_solve(const grey_levels_t *levels, stretch_t *out)
     out->contrast = (float)contrast;
     out->offset_px = out->expected_px + (float)(-slope / contrast);
     out->sigma_unit = (float)(1 / (sqrt(xx[G][G]) * contrast));
-    out->variance = (float)((rss > 0 ? rss : 0) / (pixels - 3 - (ground ? 1 : 0)));
+    /* A level that is known beforehand costs no freedom. */
+    const double third = pixels / 3.0;
+    const double solved = 1 + (ground ? 1 : 0) + third / (third + (double)levels->weight[0]) +
+                          third / (third + (double)levels->weight[1]);
+    out->variance = (float)((rss > 0 ? rss : 0) / (pixels - solved));
     /* What of the residual the blur would explain. */
     out->blur_weight = (float)(contrast * contrast * (xx[H][H] > 0 ? xx[H][H] : 0));
     out->blur_slope = (float)(contrast * xi[H]);
