@@ -3,7 +3,17 @@
 
 #include <cstdio>
 
+#include <sys/ioctl.h>
+#include <unistd.h>
+
 namespace {
+
+/** Of the terminal; a line that wrapped would spoil the drawing. */
+size_t columns()
+{
+    winsize size = {};
+    return ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0 ? size.ws_col : 80;
+}
 
 const char *clock_name(opms_clock_state_t state)
 {
@@ -166,8 +176,9 @@ bool MonitorScreen::draw(const std::vector<std::string> &lines)
     if (drawn_ > 0) {
         std::printf("\033[%zuF", drawn_);
     }
+    const size_t width = columns();
     for (const std::string &line : lines) {
-        std::printf("%s\033[K\n", line.c_str());
+        std::printf("%s\033[K\n", line.substr(0, width - 1).c_str());
     }
     std::printf("\033[J");
     drawn_ = lines.size();

@@ -120,7 +120,8 @@ void BoxCore::set_connected(const opms_identity_report_t &identity)
         seen_.armed_session_id = rebooted ? 0 : seen_.armed_session_id;
         ++connection_;
     }
-    tell_link(OPMS_LINK_CONNECTED, identity.boot_id, "box " + hex_id(identity.unique_id));
+    tell_link(OPMS_LINK_CONNECTED, identity.boot_id,
+              "box " + hex_id(identity.unique_id) + " is connected");
     if (rebooted) {
         tell_link(OPMS_LINK_REBOOTED, identity.boot_id, "the box has restarted while away");
     }
