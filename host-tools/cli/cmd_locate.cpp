@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* opms locate: from pictures of the marker bar to the detector's pose. */
-#include <algorithm>
 #include <cstdio>
 #include <memory>
 #include <string>
@@ -15,11 +14,11 @@
 #include "overlay.hpp"
 #include "picture_file.hpp"
 #include "result_stream.hpp"
+#include "text_table.hpp"
 
 namespace {
 
 constexpr double RAD = 3.14159265358979323846 / 180;
-constexpr std::size_t NAME_WIDTH_MAX = 60;
 
 struct LocateArguments {
     std::string camera;
@@ -41,15 +40,6 @@ struct Tally {
 void talk(const std::string &line)
 {
     std::fprintf(stderr, "opms: %s\n", line.c_str());
-}
-
-std::size_t name_width(const std::vector<std::string> &images)
-{
-    std::size_t width = 7;
-    for (const std::string &image : images) {
-        width = std::max(width, image.size());
-    }
-    return std::min(width, NAME_WIDTH_MAX);
 }
 
 /** Read, locate and draw one picture. */
@@ -94,7 +84,7 @@ int exit_code_of(const LocateArguments &arguments, const Tally &tally)
 int do_pictures(const LocateArguments &arguments, const opms_camera_t &camera, LocateRun &run,
                 OverlayFolder *overlays)
 {
-    const std::size_t width = name_width(arguments.images);
+    const std::size_t width = text_name_width(arguments.images);
     ResultStream out;
     Tally tally;
     if (!arguments.json) {

@@ -20,6 +20,7 @@ enum ExitCode {
 
 void add_cmd_box(CLI::App &app, int &exit_code);
 void add_cmd_locate(CLI::App &app, int &exit_code);
+void add_cmd_nodes(CLI::App &app, int &exit_code);
 void add_cmd_print(CLI::App &app, int &exit_code);
 void add_cmd_siggen(CLI::App &app, int &exit_code);
 void add_cmd_simulate(CLI::App &app, int &exit_code);

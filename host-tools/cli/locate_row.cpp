@@ -3,10 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdarg>
-#include <cstdio>
 
 #include <nlohmann/json.hpp>
+
+#include "text_table.hpp"
 
 namespace {
 
@@ -78,30 +78,6 @@ Json json_times(const LocateTimes &time)
             {"total", static_cast<long long>(std::ceil(time.total_us))}};
 }
 
-__attribute__((format(printf, 1, 2))) std::string text(const char *format, ...)
-{
-    char buffer[256];
-    va_list arguments;
-    va_start(arguments, format);
-    std::vsnprintf(buffer, sizeof buffer, format, arguments);
-    va_end(arguments);
-    return buffer;
-}
-
-/** Characters, not bytes, so that columns stay straight with names in any language. */
-std::size_t shown_width(const std::string &name)
-{
-    return static_cast<std::size_t>(std::count_if(name.begin(), name.end(), [](char c) {
-        return (static_cast<unsigned char>(c) & 0xc0) != 0x80;
-    }));
-}
-
-std::string padded(const std::string &name, std::size_t width)
-{
-    const std::size_t shown = shown_width(name);
-    return shown < width ? name + std::string(width - shown, ' ') : name;
-}
-
 }  // namespace
 
 PoseFigures pose_figures(const opms_location_t &location)
@@ -148,8 +124,8 @@ std::string locate_json_row(const LocateResult &result)
 std::string locate_table_heading(bool of_detector, std::size_t name_width)
 {
     const std::string what = of_detector ? "detector in ground" : "camera in bar frame";
-    return padded("", name_width) + "             " + what + "\n" +
-           padded("picture", name_width) +
+    return text_padded("", name_width) + "             " + what + "\n" +
+           text_padded("picture", name_width) +
            "  state         X mm     Y mm     Z mm   sigma  psi deg  phi deg  theta deg   sigma"
            "  squares      ms";
 }
@@ -157,17 +133,17 @@ std::string locate_table_heading(bool of_detector, std::size_t name_width)
 std::string locate_table_line(const LocateResult &result, std::size_t name_width)
 {
     const std::string start =
-        padded(result.image, name_width) + text("  %-9s", result.state_name());
+        text_padded(result.image, name_width) + text_format("  %-9s", result.state_name());
     if (!result.reason.empty()) {
         return start + "  " + result.reason;
     }
     const double ms = result.time.total_us * 1e-3;
     if (!result.located()) {
-        return start + text("%*s%8.3f", 77, "", ms);
+        return start + text_format("%*s%8.3f", 77, "", ms);
     }
     const PoseFigures f = pose_figures(result.location);
-    return start + text(" %8.2f %8.2f %8.2f  %6.3f %8.3f %8.3f   %8.3f  %6.4f %8zu%8.3f",
-                        f.position_mm[0], f.position_mm[1], f.position_mm[2], f.sigma_mm,
-                        f.angles_deg[0], f.angles_deg[1], f.angles_deg[2], f.sigma_deg,
-                        result.squares.size(), ms);
+    return start + text_format(" %8.2f %8.2f %8.2f  %6.3f %8.3f %8.3f   %8.3f  %6.4f %8zu%8.3f",
+                               f.position_mm[0], f.position_mm[1], f.position_mm[2], f.sigma_mm,
+                               f.angles_deg[0], f.angles_deg[1], f.angles_deg[2], f.sigma_deg,
+                               result.squares.size(), ms);
 }

@@ -31,6 +31,7 @@ int run(int argc, char **argv)
     app.require_subcommand(1);
     app.get_formatter()->column_width(34);
     add_cmd_locate(app, exit_code);
+    add_cmd_nodes(app, exit_code);
 #ifdef OPMS_CLI_HAVE_PRINT
     add_cmd_print(app, exit_code);
 #endif

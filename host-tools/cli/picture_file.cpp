@@ -16,6 +16,8 @@
 namespace {
 
 constexpr std::size_t SLACK_BYTES = 64u << 20; /* for what a file may hold besides its pixels */
+constexpr std::size_t FILE_BYTES_MAX = 1u << 30; /* of a picture whose size is not known before */
+constexpr int32_t SIDE_LEAST_PX = 16, SIDE_MOST_PX = 16384;
 
 /** Read a whole file, but no more than @p most bytes. */
 bool read_bytes(const std::string &path, std::size_t most, std::vector<unsigned char> &bytes,
@@ -44,7 +46,7 @@ bool read_bytes(const std::string &path, std::size_t most, std::vector<unsigned 
         return false;
     }
     if (got > most) {
-        error = "is larger than any picture of this camera";
+        error = "is larger than any such picture";
         return false;
     }
     return true;
@@ -55,26 +57,19 @@ std::string size_text(uint64_t width, uint64_t height)
     return std::to_string(width) + " x " + std::to_string(height);
 }
 
-/** @return false with @p error where the file cannot be a picture of the expected size. */
-bool check_header(const std::vector<unsigned char> &bytes, int32_t width_px, int32_t height_px,
+/** @return false with @p error where the file cannot be a whole picture. */
+bool check_header(const std::vector<unsigned char> &bytes, PictureHeader &header,
                   std::string &error)
 {
     if (bytes.empty()) {
         error = "is empty";
         return false;
     }
-    const PictureHeader header = picture_header(bytes);
+    header = picture_header(bytes);
     if (header.kind == PictureKind::unknown) {
         error = "is no picture (PNG, JPEG, TIFF, BMP and PGM can be read)";
     } else if (header.width_px == 0 || header.height_px == 0) {
         error = "is a damaged picture: its header does not hold";
-    } else if (header.width_px != static_cast<uint64_t>(width_px) ||
-               header.height_px != static_cast<uint64_t>(height_px)) {
-        error = "is " + size_text(header.width_px, header.height_px) +
-                " px, but the camera file is for " +
-                size_text(static_cast<uint64_t>(width_px), static_cast<uint64_t>(height_px));
-    } else if (!header.complete) {
-        error = "is a damaged picture: it ends early";
     }
     return error.empty();
 }
@@ -88,20 +83,17 @@ cv::Mat decode(const std::vector<unsigned char> &bytes)
     }
 }
 
-}  // namespace
-
-cv::Mat picture_read(const std::string &path, int32_t width_px, int32_t height_px,
-                     std::string &error)
+/** Unpack a picture whose header has been found good. */
+cv::Mat unpack(const std::vector<unsigned char> &bytes, const PictureHeader &header,
+               std::string &error)
 {
-    error.clear();
-    const auto pixels = static_cast<std::size_t>(width_px) * static_cast<std::size_t>(height_px);
-    std::vector<unsigned char> bytes;
-    if (!read_bytes(path, pixels * 8 + SLACK_BYTES, bytes, error) ||
-        !check_header(bytes, width_px, height_px, error)) {
+    if (!header.complete) {
+        error = "is a damaged picture: it ends early";
         return cv::Mat();
     }
     const cv::Mat picture = decode(bytes);
-    if (picture.empty() || picture.cols != width_px || picture.rows != height_px) {
+    if (picture.empty() || static_cast<uint64_t>(picture.cols) != header.width_px ||
+        static_cast<uint64_t>(picture.rows) != header.height_px) {
         error = "is a damaged picture: it cannot be decoded";
     } else if (picture.depth() != CV_8U && picture.depth() != CV_16U) {
         error = "has neither 8 nor 16 bit a pixel";
@@ -109,6 +101,45 @@ cv::Mat picture_read(const std::string &path, int32_t width_px, int32_t height_p
         error = "has " + std::to_string(picture.channels()) + " channels; grey or colour is needed";
     }
     return error.empty() ? picture : cv::Mat();
+}
+
+}  // namespace
+
+cv::Mat picture_read(const std::string &path, int32_t width_px, int32_t height_px,
+                     std::string &error)
+{
+    error.clear();
+    const auto width = static_cast<std::size_t>(width_px);
+    const auto height = static_cast<std::size_t>(height_px);
+    std::vector<unsigned char> bytes;
+    PictureHeader header;
+    if (!read_bytes(path, width * height * 8 + SLACK_BYTES, bytes, error) ||
+        !check_header(bytes, header, error)) {
+        return cv::Mat();
+    }
+    if (header.width_px != width || header.height_px != height) {
+        error = "is " + size_text(header.width_px, header.height_px) +
+                " px, but the camera file is for " + size_text(width, height);
+        return cv::Mat();
+    }
+    return unpack(bytes, header, error);
+}
+
+cv::Mat picture_read_any(const std::string &path, std::string &error)
+{
+    error.clear();
+    std::vector<unsigned char> bytes;
+    PictureHeader header;
+    if (!read_bytes(path, FILE_BYTES_MAX, bytes, error) || !check_header(bytes, header, error)) {
+        return cv::Mat();
+    }
+    const auto fits = [](uint64_t side) { return side >= SIDE_LEAST_PX && side <= SIDE_MOST_PX; };
+    if (!fits(header.width_px) || !fits(header.height_px)) {
+        error = "is " + size_text(header.width_px, header.height_px) +
+                " px; pictures of 16 to 16384 px a side can be used";
+        return cv::Mat();
+    }
+    return unpack(bytes, header, error);
 }
 
 cv::Mat picture_grey(const cv::Mat &picture)

@@ -20,6 +20,9 @@
 cv::Mat picture_read(const std::string &path, int32_t width_px, int32_t height_px,
                      std::string &error);
 
+/** Read a picture of any size from 16 to 16384 px a side; else as picture_read(). */
+cv::Mat picture_read_any(const std::string &path, std::string &error);
+
 /** Grey of a picture from picture_read(): itself, or the luma of a colour picture. */
 cv::Mat picture_grey(const cv::Mat &picture);
 
