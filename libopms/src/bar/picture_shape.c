@@ -47,8 +47,10 @@ void shape_update_blur(edge_scene_t *scene, const bar_fit_t *fit)
     shape_scale(scene, fit);
     const double mean = (weight[0] * blur[0] + weight[1] * blur[1]) / (weight[0] + weight[1]);
     const double sigma = (double)fit->noise * sqrt(1 / weight[0] + 1 / weight[1]);
+    /* Families that were told apart stay so at half the difference: no two passes take turns. */
+    const double known = fabs(scene->blur_px[0] - scene->blur_px[1]) > 0 ? 0.5 : 1;
     const int shared =
-        scene->still || fabs(blur[0] - blur[1]) < fmax(SHARED_BLUR * mean, 4 * sigma);
+        scene->still || fabs(blur[0] - blur[1]) < fmax(known * SHARED_BLUR * mean, 4 * sigma);
     for (int family = 0; family < 2; ++family) {
         scene->blur_px[family] = fmin(BLUR_MOST, fmax(BLUR_LEAST, shared ? mean : blur[family]));
     }
