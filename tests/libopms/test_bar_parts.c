@@ -7,6 +7,7 @@
 #include <unity.h>
 
 #include "bar/bar_code.h"
+#include "bar/edge_lanes.h"
 #include "bar/labels.h"
 #include "bar/line_search.h"
 #include "bar/plane_map.h"
@@ -47,6 +48,27 @@ static double normal_density(double z)
 static double normal_part(double z)
 {
     return 0.5 * erfc(-z / sqrt(2));
+}
+
+static void the_profile_of_four_pixels_is_the_normal_distribution(void)
+{
+    for (int i = -4800; i <= 4800; i += LANES) {
+        lanes_t z = {0};
+        for (int k = 0; k < LANES; ++k) {
+            z[k] = (float)(i + k) / 1000.f;
+        }
+        const edge_lanes_t profile = edge_lanes(z);
+        for (int k = 0; k < LANES; ++k) {
+            TEST_ASSERT_DOUBLE_WITHIN(4e-6, normal_part((double)z[k]), profile.step[k]);
+            TEST_ASSERT_DOUBLE_WITHIN(4e-6, normal_density((double)z[k]), profile.pulse[k]);
+        }
+    }
+    const lanes_t beyond = {-1e6f, -60.f, 60.f, 1e6f};
+    const edge_lanes_t profile = edge_lanes(beyond);
+    for (int k = 0; k < LANES; ++k) {
+        TEST_ASSERT_DOUBLE_WITHIN(1e-6, k < 2 ? 0 : 1, profile.step[k]);
+        TEST_ASSERT_DOUBLE_WITHIN(1e-5, 0, profile.pulse[k]);
+    }
 }
 
 /** Part of a joint normal distribution that lies below a and b, by Simpson's rule. */
@@ -425,6 +447,7 @@ int main(void)
     RUN_TEST(a_search_crosses_whatever_is_as_wide_as_its_pitch);
     RUN_TEST(a_square_is_traced_to_its_corners);
     RUN_TEST(what_is_no_closed_quadrilateral_is_refused);
+    RUN_TEST(the_profile_of_four_pixels_is_the_normal_distribution);
     RUN_TEST(a_corner_off_the_right_angle_covers_its_share);
     RUN_TEST(a_row_is_labelled_in_both_directions);
     RUN_TEST(a_row_without_cells_gets_no_labels);

@@ -4,6 +4,7 @@
 #include <math.h>
 
 #include "bar/bar_code.h"
+#include "bar/edge_lanes.h"
 
 /* grey = black + contrast w(s - offset), to first order in the offset, with w the white coverage
  * and g = dw/ds: linear in black, contrast and contrast times offset. Next to the bar's border the
@@ -14,40 +15,26 @@
 
 #define PIXELS_LEAST 10
 
-#define LANES 4
 #define PIXELS_MAX 1024 /* of a stretch, a multiple of LANES */
+#define REACH 3.5f      /* standard deviations from where on a step has no effect */
 
-typedef float lanes_t __attribute__((vector_size(LANES * sizeof(float))));
-
-/** The regressors and the grey level of each pixel, as columns for the vector unit. */
+/** The pixels of a stretch as columns for the vector unit, and the regressors of its fit. */
 typedef struct fit_pixels {
     int count;
-    float x[REGRESSORS][PIXELS_MAX] __attribute__((aligned(16)));
-    float i[PIXELS_MAX] __attribute__((aligned(16)));
+    float s_high, along_low, along_high; /* extremes of the columns */
+    float s[PIXELS_MAX], along[PIXELS_MAX], grey[PIXELS_MAX];
+    float x[REGRESSORS][PIXELS_MAX];
 } fit_pixels_t;
 
-static inline float total(lanes_t v)
-{
-    return (v[0] + v[1]) + (v[2] + v[3]);
-}
-
 /** Sum up the columns; column K only where there is ground. */
-static void sum_pixels(fit_pixels_t *pixels, int ground, fit_sums_t *sums)
+static void sum_pixels(const fit_pixels_t *pixels, int ground, fit_sums_t *sums)
 {
-    int n = pixels->count;
-    for (; n % LANES != 0; ++n) {
-        pixels->i[n] = 0;
-        for (int a = 0; a < REGRESSORS; ++a) {
-            pixels->x[a][n] = 0;
-        }
-    }
     lanes_t i = {0}, ii = {0}, x[REGRESSORS] = {{0}}, xi[REGRESSORS] = {{0}},
             xx[REGRESSORS][REGRESSORS] = {{{0}}};
-    for (int k = 0; k < n; k += LANES) {
-        const lanes_t grey = *(const lanes_t *)(const void *)&pixels->i[k];
-        const lanes_t w = *(const lanes_t *)(const void *)&pixels->x[W][k];
-        const lanes_t g = *(const lanes_t *)(const void *)&pixels->x[G][k];
-        const lanes_t h = *(const lanes_t *)(const void *)&pixels->x[H][k];
+    for (int k = 0; k < pixels->count; k += LANES) {
+        const lanes_t grey = lanes_load(&pixels->grey[k]);
+        const lanes_t w = lanes_load(&pixels->x[W][k]), g = lanes_load(&pixels->x[G][k]);
+        const lanes_t h = lanes_load(&pixels->x[H][k]);
         i += grey;
         ii += grey * grey;
         x[W] += w;
@@ -63,7 +50,7 @@ static void sum_pixels(fit_pixels_t *pixels, int ground, fit_sums_t *sums)
         xx[H][G] += h * g;
         xx[H][H] += h * h;
         if (ground) {
-            const lanes_t step = *(const lanes_t *)(const void *)&pixels->x[K][k];
+            const lanes_t step = lanes_load(&pixels->x[K][k]);
             x[K] += step;
             xi[K] += step * grey;
             xx[K][W] += step * w;
@@ -73,13 +60,13 @@ static void sum_pixels(fit_pixels_t *pixels, int ground, fit_sums_t *sums)
         }
     }
     sums->n = (float)pixels->count;
-    sums->i = total(i);
-    sums->ii = total(ii);
+    sums->i = lanes_sum(i);
+    sums->ii = lanes_sum(ii);
     for (int a = 0; a < REGRESSORS; ++a) {
-        sums->x[a] = total(x[a]);
-        sums->xi[a] = total(xi[a]);
+        sums->x[a] = lanes_sum(x[a]);
+        sums->xi[a] = lanes_sum(xi[a]);
         for (int b = 0; b <= a; ++b) {
-            sums->xx[a][b] = total(xx[a][b]);
+            sums->xx[a][b] = lanes_sum(xx[a][b]);
         }
     }
 }
@@ -100,71 +87,174 @@ static void add_levels(fit_sums_t *sums, const grey_levels_t *levels)
     }
 }
 
-/** How much of the code cells beyond the side is black at a position along it, under the blur;
- * `ends` gets what the lean adds to that. */
-static float cells_at(const side_model_t *model, float along, float *ends)
+/** The ends of black cells that lie within reach of a stretch. */
+typedef struct cell_ends {
+    float base; /* black at the stretch's lower end: 0 or 1 */
+    int count;
+    float at_mm[BAR_CELLS + 1], sign[BAR_CELLS + 1];
+} cell_ends_t;
+
+/** Which part of the code cells beyond the side a stretch from `low` to `high` mm sees. */
+static cell_ends_t cells_near(const side_model_t *model, float low, float high)
 {
-    float sum = 0;
-    *ends = 0;
-    for (int i = 0; i < BAR_CELLS;) {
-        if (!(model->cells >> i & 1u)) {
-            ++i;
+    cell_ends_t ends = {.count = 0};
+    const float reach = REACH / model->along_scale;
+    unsigned before = 0;
+    for (int i = 0; i <= BAR_CELLS; ++i) {
+        const unsigned black = i < BAR_CELLS ? model->cells >> i & 1u : 0;
+        const float at = (float)BAR_CELL_X_MM * (float)(i - 3), sign = (float)black - (float)before;
+        if (black == before || at > high + reach) {
             continue;
         }
-        int j = i;
-        while (j < BAR_CELLS && (model->cells >> j & 1u)) {
-            ++j;
+        if (at < low - reach) {
+            ends.base += sign;
+        } else {
+            ends.at_mm[ends.count] = at;
+            ends.sign[ends.count++] = sign;
         }
-        const float from = (along - (float)BAR_CELL_X_MM * (float)(i - 3)) * model->along_scale;
-        const float to = (along - (float)BAR_CELL_X_MM * (float)(j - 3)) * model->along_scale;
-        const edge_profile_t a = edge_profile(from), b = edge_profile(to);
-        sum += a.step - b.step;
-        *ends += b.pulse - a.pulse;
-        i = j;
+        before = black;
+    }
+    return ends;
+}
+
+/** How much of the code cells is black at positions along the side, under the blur; `ends` gets
+ * what the lean adds to that. */
+static inline lanes_t cells_at(const side_model_t *model, const cell_ends_t *near, lanes_t along,
+                               lanes_t *ends)
+{
+    lanes_t sum = lanes_of(near->base);
+    *ends = lanes_of(0.f);
+    for (int i = 0; i < near->count; ++i) {
+        const edge_lanes_t end = edge_lanes((along - near->at_mm[i]) * model->along_scale);
+        sum += near->sign[i] * end.step;
+        *ends += near->sign[i] * end.pulse;
     }
     return sum;
 }
 
-/** White coverage of a pixel, and its slope along the side's normal. */
-static inline float coverage(const side_model_t *model, float s, float along, float *slope)
+/** What the model has within reach of a stretch. */
+typedef struct stretch_parts {
+    int end, cells, cells_far, ground;
+    cell_ends_t cell_ends;
+} stretch_parts_t;
+
+static stretch_parts_t parts_of(const side_model_t *model, const fit_pixels_t *pixels)
 {
-    const edge_profile_t edge = edge_profile_blurred(&model->blur, s);
-    const float to_end = (model->end_at - fabsf(along)) * model->along_scale;
-    float w = edge.step;
+    const float low = pixels->along_low, high = pixels->along_high;
+    stretch_parts_t parts = {.end = 0};
+    parts.end = (model->end_at - (high > -low ? high : -low)) * model->along_scale < REACH;
+    if (model->cells && (pixels->s_high - model->cell_near) * model->per_sigma > -REACH) {
+        parts.cell_ends = cells_near(model, low, high);
+        parts.cells = parts.cell_ends.count > 0 || parts.cell_ends.base > 0.f;
+        parts.cells_far = (pixels->s_high - model->cell_far) * model->per_sigma > -REACH;
+    }
+    return parts;
+}
+
+/** corner_excess() for four pixels. */
+static inline lanes_t corner_excess_lanes(lanes_t lean, lanes_t a, lanes_t density_a, lanes_t b,
+                                          lanes_t density_b)
+{
+    const lanes_t ab = a * b, aa = a * a - 1.f, bb = b * b - 1.f;
+    return lean * density_a * density_b *
+           (1.f + lean * (0.5f * ab + lean * (aa * bb * (1.f / 6) +
+                                              lean * ab * (aa - 2.f) * (bb - 2.f) * (1.f / 24))));
+}
+
+/** White coverage of pixels, and its slope along the side's normal. */
+static inline lanes_t coverage(const side_model_t *model, const stretch_parts_t *parts, lanes_t s,
+                               lanes_t along, lanes_t *slope)
+{
+    const edge_lanes_t edge = edge_lanes_blurred(&model->blur, s);
+    const float sigma = 1.f / model->per_sigma;
+    lanes_t w = edge.step;
     *slope = edge.pulse;
-    if (to_end < 3.5f) {
-        const edge_profile_t there = edge_profile(to_end);
-        const float lean = along < 0.f ? -model->lean : model->lean, z = s * model->per_sigma;
+    if (parts->end) {
+        const lanes_t to_end = (model->end_at - lanes_abs(along)) * model->along_scale;
+        const edge_lanes_t there = edge_lanes(to_end);
+        const lanes_t lean =
+            lanes_pick(along < 0.f, lanes_of(-model->lean), lanes_of(model->lean));
+        const lanes_t z = s * model->per_sigma;
         w = 1.f - (1.f - w) * there.step -
-            corner_excess(lean, -z, edge.pulse / model->per_sigma, to_end, there.pulse);
+            corner_excess_lanes(lean, -z, edge.pulse * sigma, to_end, there.pulse);
         *slope *= there.step + lean * z * there.pulse;
     }
-    if (model->cells && (s - model->cell_near) * model->per_sigma > -3.5f) {
-        const edge_profile_t near = edge_profile_blurred(&model->blur, s - model->cell_near),
-                             far = edge_profile_blurred(&model->blur, s - model->cell_far);
-        float ends;
-        const float cells = cells_at(model, along, &ends);
-        w -= cells * (near.step - far.step) +
-             model->lean * ends * (far.pulse - near.pulse) / model->per_sigma;
+    if (parts->cells) {
+        edge_lanes_t across = edge_lanes_blurred(&model->blur, s - model->cell_near);
+        if (parts->cells_far) {
+            const edge_lanes_t far = edge_lanes_blurred(&model->blur, s - model->cell_far);
+            across.step -= far.step;
+            across.pulse -= far.pulse;
+        }
+        lanes_t ends;
+        w -= cells_at(model, &parts->cell_ends, along, &ends) * across.step;
+        w -= ends * across.pulse * (model->lean * sigma);
     }
     return w;
 }
 
-static void add_line(fit_pixels_t *pixels, const side_model_t *model, const fit_line_t *line)
+/** The regressors of all pixels. */
+static void model_pixels(const side_model_t *model, const stretch_parts_t *parts,
+                         fit_pixels_t *pixels)
 {
-    int n = pixels->count;
-    for (int k = 0; k < line->count; ++k, ++n) {
-        const float s = line->s_first + (float)k * line->s_step;
-        float slope;
-        pixels->x[W][n] =
-            coverage(model, s, line->along_first + (float)k * line->along_step, &slope);
-        pixels->x[K][n] =
-            model->ground > 0.f ? edge_profile_blurred(&model->blur, s - model->ground).step : 0.f;
-        pixels->x[G][n] = slope;
-        pixels->x[H][n] = -s * model->per_sigma * slope;
-        pixels->i[n] = line->grey[k];
+    for (int k = 0; k < pixels->count; k += LANES) {
+        const lanes_t s = lanes_load(&pixels->s[k]), along = lanes_load(&pixels->along[k]);
+        lanes_t slope;
+        const lanes_t w = coverage(model, parts, s, along, &slope);
+        lanes_store(&pixels->x[W][k], w);
+        lanes_store(&pixels->x[G][k], slope);
+        lanes_store(&pixels->x[H][k], s * slope * -model->per_sigma);
+        if (parts->ground) {
+            lanes_store(&pixels->x[K][k],
+                        edge_lanes_blurred(&model->blur, s - model->ground).step);
+        }
     }
-    pixels->count = n;
+    for (int k = pixels->count; k % LANES != 0; ++k) { /* what fills up counts for nothing */
+        for (int a = 0; a < REGRESSORS; ++a) {
+            pixels->x[a][k] = 0.f;
+        }
+    }
+}
+
+/** Lay a line behind the others. */
+static void add_line(fit_pixels_t *pixels, const fit_line_t *line)
+{
+    const int n = pixels->count, last = n + line->count - 1;
+    const lanes_t number = {0, 1, 2, 3};
+    for (int k = 0; k < line->count; k += LANES) {
+        const lanes_t at = number + (float)k;
+        lanes_store(&pixels->s[n + k], line->s_first + at * line->s_step);
+        lanes_store(&pixels->along[n + k], line->along_first + at * line->along_step);
+        lanes_store(&pixels->grey[n + k], lanes_load(&line->grey[k]));
+    }
+    pixels->s_high = fmaxf(pixels->s_high, fmaxf(pixels->s[n], pixels->s[last]));
+    pixels->along_low = fminf(pixels->along_low, fminf(pixels->along[n], pixels->along[last]));
+    pixels->along_high = fmaxf(pixels->along_high, fmaxf(pixels->along[n], pixels->along[last]));
+    pixels->count = last + 1;
+}
+
+static void gather(fit_pixels_t *pixels, const fit_line_t *lines, int count)
+{
+    pixels->count = 0;
+    pixels->s_high = pixels->along_high = -1e30f;
+    pixels->along_low = 1e30f;
+    for (int i = 0; i < count && pixels->count + lines[i].count <= PIXELS_MAX - LANES; ++i) {
+        if (lines[i].count > 0) {
+            add_line(pixels, &lines[i]);
+        }
+    }
+    for (int k = pixels->count; k % LANES != 0; ++k) {
+        pixels->s[k] = pixels->along[k] = pixels->grey[k] = 0.f;
+    }
+}
+
+static int count_saturated(const fit_pixels_t *pixels, float white)
+{
+    lanes_int_t count = {0};
+    for (int k = 0; k < pixels->count; k += LANES) {
+        count -= lanes_load(&pixels->grey[k]) >= white; /* a comparison gives -1 where it holds */
+    }
+    return count[0] + count[1] + count[2] + count[3];
 }
 
 /** Take regressor `p` out of the others and of the grey levels. */
@@ -253,21 +343,13 @@ int stretch_solve(const grey_levels_t *levels, stretch_t *out)
 
 void stretch_sum(const side_model_t *model, const fit_line_t *lines, int count, stretch_t *out)
 {
-    int pixels = 0, saturated = 0;
-    const float white = model->white_level - 0.5f;
-    for (int i = 0; i < count; ++i) {
-        pixels += lines[i].count;
-        for (int k = 0; k < lines[i].count; ++k) {
-            saturated += lines[i].grey[k] >= white;
-        }
-    }
-    out->saturated = (uint16_t)saturated;
+    fit_pixels_t pixels;
+    gather(&pixels, lines, count);
+    out->saturated = (uint16_t)count_saturated(&pixels, model->white_level - 0.5f);
     out->clipped = 0;
     out->ground = model->ground > 0.f;
-    fit_pixels_t columns;
-    columns.count = 0;
-    for (int i = 0; i < count && columns.count + lines[i].count <= PIXELS_MAX - LANES; ++i) {
-        add_line(&columns, model, &lines[i]);
-    }
-    sum_pixels(&columns, out->ground, &out->sums);
+    stretch_parts_t parts = parts_of(model, &pixels);
+    parts.ground = out->ground;
+    model_pixels(model, &parts, &pixels);
+    sum_pixels(&pixels, out->ground, &out->sums);
 }
