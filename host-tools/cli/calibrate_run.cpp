@@ -1,0 +1,208 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "calibrate_run.hpp"
+
+#include <algorithm>
+#include <memory>
+
+#include "text_table.hpp"
+
+namespace {
+
+constexpr std::size_t PICTURES_LEAST = 3;
+
+struct CalibratorDeleter {
+    void operator()(opms_calibrator_t *calibrator) const { opms_calibrator_destroy(calibrator); }
+};
+using Calibrator = std::unique_ptr<opms_calibrator_t, CalibratorDeleter>;
+
+void fail(CalibrateResult &result, CalibrateState state, const std::string &reason)
+{
+    result.state = state;
+    result.reason = reason;
+}
+
+std::size_t usable_count(const CalibrateResult &result)
+{
+    return static_cast<std::size_t>(
+        std::count_if(result.pictures.begin(), result.pictures.end(),
+                      [](const CalibratePicture &p) { return p.left_out.empty(); }));
+}
+
+std::string size_text(const GridPicture &picture)
+{
+    return text_format("%d x %d px", static_cast<int>(picture.width_px),
+                       static_cast<int>(picture.height_px));
+}
+
+std::string too_few_text(std::size_t count)
+{
+    return text_format("%zu usable picture%s; at least 3 are needed, and a dozen is good", count,
+                       count == 1 ? "" : "s");
+}
+
+/** All pictures read, and of one size? */
+bool check_read(CalibrateResult &result)
+{
+    const GridPicture *first = nullptr;
+    for (const CalibratePicture &picture : result.pictures) {
+        const GridPicture &grid = picture.grid;
+        if (!grid.reason.empty()) {
+            fail(result, CalibrateState::bad_pictures, grid.image + ": " + grid.reason);
+            return false;
+        }
+        first = first ? first : &grid;
+        if (grid.width_px != first->width_px || grid.height_px != first->height_px) {
+            fail(result, CalibrateState::bad_pictures,
+                 "pictures of mixed sizes: " + grid.image + " is " + size_text(grid) + ", but " +
+                     first->image + " is " + size_text(*first));
+            return false;
+        }
+    }
+    if (usable_count(result) < PICTURES_LEAST) {
+        fail(result, CalibrateState::bad_pictures, too_few_text(usable_count(result)));
+        return false;
+    }
+    return true;
+}
+
+Calibrator make_calibrator(CalibrateResult &result)
+{
+    opms_calib_options_t options;
+    opms_calib_options_init(&options);
+    options.width_px = result.pictures.front().grid.width_px;
+    options.height_px = result.pictures.front().grid.height_px;
+    options.pictures_max = static_cast<uint32_t>(usable_count(result));
+    opms_calibrator_t *calibrator = nullptr;
+    opms_error_t error = {};
+    if (opms_calibrator_create(&options, &calibrator, &error) != OPMS_OK) {
+        fail(result, CalibrateState::bad_pictures, error.message);
+    }
+    return Calibrator(calibrator);
+}
+
+std::vector<opms_calib_point_t> points_of(const GridPicture &picture)
+{
+    std::vector<opms_calib_point_t> points;
+    points.reserve(picture.nodes.size());
+    for (const opms_node_t &node : picture.nodes) {
+        points.push_back({{(node.label[0] - OPMS_GRID_CENTRE) * OPMS_GRID_PITCH_M,
+                           (node.label[1] - OPMS_GRID_CENTRE) * OPMS_GRID_PITCH_M},
+                          {node.px[0], node.px[1]},
+                          node.sigma_px});
+    }
+    return points;
+}
+
+void add_pictures(opms_calibrator_t *calibrator, CalibrateResult &result)
+{
+    for (CalibratePicture &picture : result.pictures) {
+        if (!picture.left_out.empty()) {
+            continue;
+        }
+        const std::vector<opms_calib_point_t> points = points_of(picture.grid);
+        uint32_t index = 0;
+        opms_error_t error = {};
+        if (opms_calibrator_add(calibrator, points.data(), static_cast<uint32_t>(points.size()),
+                                &index, &error) == OPMS_OK) {
+            picture.index = index;
+        } else {
+            picture.left_out = error.message;
+        }
+    }
+}
+
+std::string use_text(opms_calib_use_t use)
+{
+    return use == OPMS_CALIB_NO_PLANE ? "its nodes are no view of a plane"
+                                      : "it does not fit the camera of the other pictures";
+}
+
+bool solve(opms_calibrator_t *calibrator, CalibrateResult &result)
+{
+    opms_error_t error = {};
+    if (opms_calibrator_solve(calibrator, &result.calib, &error) != OPMS_OK) {
+        fail(result, CalibrateState::unsolved, error.message);
+        return false;
+    }
+    result.has_solution = true;
+    for (CalibratePicture &picture : result.pictures) {
+        if (!picture.index) {
+            continue;
+        }
+        opms_calibrator_picture(calibrator, *picture.index, &picture.solved, nullptr);
+        if (picture.solved.use != OPMS_CALIB_USED) {
+            picture.left_out = use_text(picture.solved.use);
+        }
+    }
+    return true;
+}
+
+/** The footprints whose pictures are in the solution. */
+std::vector<opms_footprint_t> usable_footprints(const CalibrateJob &job, CalibrateResult &result)
+{
+    std::vector<opms_footprint_t> usable;
+    for (const FootprintPlace &place : job.footprints) {
+        for (const CalibratePicture &picture : result.pictures) {
+            if (picture.used() && picture.grid.image == place.image) {
+                usable.push_back({*picture.index, place.x_m, place.y_m, place.yaw_rad,
+                                  job.footprint_sigma_m, job.footprint_sigma_rad});
+                result.footprints.push_back(place);
+                break;
+            }
+        }
+    }
+    return usable;
+}
+
+void place_camera(const opms_calibrator_t *calibrator, const CalibrateJob &job,
+                  CalibrateResult &result)
+{
+    const std::vector<opms_footprint_t> footprints = usable_footprints(job, result);
+    if (footprints.empty()) {
+        fail(result, CalibrateState::bad_pictures,
+             "no picture on the footprint can be used (" + job.footprints.front().image +
+                 "): where the camera sits on the detector stays unknown. Take it again, with the "
+                 "marker in sight");
+        return;
+    }
+    opms_error_t error = {};
+    if (opms_calibrator_camera(calibrator, footprints.data(),
+                               static_cast<uint32_t>(footprints.size()), &result.camera,
+                               &error) != OPMS_OK) {
+        fail(result, CalibrateState::unsolved, error.message);
+        return;
+    }
+    result.state = CalibrateState::calibrated;
+}
+
+}  // namespace
+
+CalibrateResult calibrate_run(const CalibrateJob &job, const CalibrateTalk &talk)
+{
+    CalibrateResult result;
+    result.pictures = calibrate_read(job, talk);
+    if (!check_read(result)) {
+        return result;
+    }
+    const Calibrator calibrator = make_calibrator(result);
+    if (!calibrator) {
+        return result;
+    }
+    add_pictures(calibrator.get(), result);
+    if (usable_count(result) < PICTURES_LEAST) {
+        fail(result, CalibrateState::bad_pictures, too_few_text(usable_count(result)));
+        return result;
+    }
+    if (!solve(calibrator.get(), result)) {
+        return result;
+    }
+    talk(text_format("solved: %u pictures, %u nodes, %u outliers, residual %.3f px RMS",
+                     result.calib.pictures_used, result.calib.points_used, result.calib.outliers,
+                     result.calib.residual_rms_px));
+    if (result.calib.warnings & CALIBRATE_OPEN) {
+        fail(result, CalibrateState::undetermined, "the pictures do not fix the camera");
+        return result;
+    }
+    place_camera(calibrator.get(), job, result);
+    return result;
+}
