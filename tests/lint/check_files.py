@@ -13,7 +13,7 @@ from collections import defaultdict
 from pathlib import Path, PurePosixPath
 
 MAY_REPEAT = {"README.md", "CMakeLists.txt", "__init__.py"}
-CODE = {".c", ".h", ".cpp", ".hpp", ".py", ".sh", ".cmake", ".map"}
+CODE = {".c", ".h", ".cpp", ".hpp", ".py", ".mjs", ".sh", ".cmake", ".map", ".pio"}
 NAMED_CODE = {"CMakeLists.txt", "run", ".clang-format"}
 # Written so that this file does not find itself.
 LEFTOVERS = ["TO" + "DO", "FIX" + "ME", "XX" + "X"]
