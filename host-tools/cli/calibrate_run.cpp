@@ -9,6 +9,11 @@
 namespace {
 
 constexpr std::size_t PICTURES_LEAST = 3;
+/* With more strangers than this it is open which pictures are those of the camera. */
+constexpr double STRANGERS_MOST = 0.25;
+constexpr const char *UNSOLVED_ADVICE =
+    ". Was the detector tilted by 15 degrees or more to different sides, is the grid flat, and are "
+    "all pictures of one camera?";
 
 struct CalibratorDeleter {
     void operator()(opms_calibrator_t *calibrator) const { opms_calibrator_destroy(calibrator); }
@@ -117,14 +122,10 @@ std::string use_text(opms_calib_use_t use)
                                       : "it does not fit the camera of the other pictures";
 }
 
-bool solve(opms_calibrator_t *calibrator, CalibrateResult &result)
+/** Take over what became of each picture; those that do not fit are named. */
+void sort_out(const opms_calibrator_t *calibrator, CalibrateResult &result,
+              const CalibrateTalk &talk)
 {
-    opms_error_t error = {};
-    if (opms_calibrator_solve(calibrator, &result.calib, &error) != OPMS_OK) {
-        fail(result, CalibrateState::unsolved, error.message);
-        return false;
-    }
-    result.has_solution = true;
     for (CalibratePicture &picture : result.pictures) {
         if (!picture.index) {
             continue;
@@ -132,7 +133,27 @@ bool solve(opms_calibrator_t *calibrator, CalibrateResult &result)
         opms_calibrator_picture(calibrator, *picture.index, &picture.solved, nullptr);
         if (picture.solved.use != OPMS_CALIB_USED) {
             picture.left_out = use_text(picture.solved.use);
+            talk(picture.grid.image + ": left out: " + picture.left_out);
         }
+    }
+}
+
+bool solve(opms_calibrator_t *calibrator, CalibrateResult &result, const CalibrateTalk &talk)
+{
+    const std::size_t count = usable_count(result);
+    opms_error_t error = {};
+    if (opms_calibrator_solve(calibrator, &result.calib, &error) != OPMS_OK) {
+        fail(result, CalibrateState::unsolved, std::string(error.message) + UNSOLVED_ADVICE);
+        return false;
+    }
+    result.has_solution = true;
+    sort_out(calibrator, result, talk);
+    const std::size_t strangers = count - usable_count(result);
+    if (static_cast<double>(strangers) > STRANGERS_MOST * static_cast<double>(count)) {
+        fail(result, CalibrateState::undetermined,
+             text_format("%zu of %zu pictures do not fit the camera of the others: are they of two "
+                         "cameras, or was the lens touched in between?", strangers, count));
+        return false;
     }
     return true;
 }
@@ -193,7 +214,7 @@ CalibrateResult calibrate_run(const CalibrateJob &job, const CalibrateTalk &talk
         fail(result, CalibrateState::bad_pictures, too_few_text(usable_count(result)));
         return result;
     }
-    if (!solve(calibrator.get(), result)) {
+    if (!solve(calibrator.get(), result, talk)) {
         return result;
     }
     talk(text_format("solved: %u pictures, %u nodes, %u outliers, residual %.3f px RMS",

@@ -11,17 +11,18 @@ constexpr double DEG = 180 / 3.14159265358979323846;
 
 constexpr CalibrateWarning WARNINGS[] = {
     {OPMS_CALIB_ALL_PARALLEL, "all_parallel",
-     "The camera looks at the grid from nearly one direction in all pictures, which leaves its "
-     "focal length open. Tilt the detector by 15 degrees or more to different sides and take more "
-     "pictures."},
+     "The camera looks at the grid from nearly one direction in all pictures, so an error of the "
+     "lens cannot be told from one of the poses. Tilt the detector by 15 degrees or more to "
+     "different sides and take more pictures."},
     {OPMS_CALIB_FEW_PICTURES, "few_pictures",
-     "Fewer than 5 pictures were used. A dozen, at different heights and tilts, makes errors show."},
+     "Fewer than 5 pictures were used. A dozen, at different heights and tilts, makes errors "
+     "show."},
     {OPMS_CALIB_POOR_COVERAGE, "poor_coverage",
      "Much of the picture's border never held a node, so the lens is not measured there. Take "
      "pictures in which the grid reaches into each corner of the picture."},
     {OPMS_CALIB_FOCAL_OPEN, "focal_open",
-     "The focal length is known no better than 1 %. Take more pictures with the detector tilted by "
-     "15 degrees or more to different sides, and some from closer."},
+     "The focal length is known no better than 1 %. Take more pictures with the detector tilted "
+     "by 15 degrees or more to different sides, and some from closer."},
     {OPMS_CALIB_CENTRE_OPEN, "centre_open",
      "The principal point is known no better than 2 % of the picture's width. Take more pictures "
      "with the detector tilted, and turned about the vertical."},
@@ -29,8 +30,8 @@ constexpr CalibrateWarning WARNINGS[] = {
      "The nodes lie further from the solution than they were measured well. Is the grid flat, was "
      "the detector still, and are all pictures of one camera whose focus was not touched?"},
     {OPMS_CALIB_MANY_OUTLIERS, "many_outliers",
-     "More than 5 % of the nodes do not agree with the solution. Look at the pictures with the most "
-     "outliers: reflections, something lying on the grid, folds, motion?"},
+     "More than 5 % of the nodes do not agree with the solution. Look at the pictures with the "
+     "most outliers: reflections, something lying on the grid, folds, motion?"},
 };
 
 double sigma(const double *covariance, int n, int i)
@@ -71,11 +72,14 @@ std::string mounting_text(const opms_camera_t &camera)
     return text;
 }
 
-std::string picture_line(const CalibratePicture &picture, std::size_t width)
+std::string picture_line(const CalibratePicture &picture, std::size_t width, bool has_solution)
 {
     const std::string start = "  " + text_padded(picture.grid.image, width);
-    if (!picture.used()) {
+    if (!picture.left_out.empty()) {
         return start + "  left out: " + picture.left_out + "\n";
+    }
+    if (!has_solution) {
+        return start + text_format("  %5zu\n", picture.grid.nodes.size());
     }
     return start + text_format("  %5u  %8u  %11.3f  %8.1f\n", picture.solved.points,
                                picture.solved.outliers, picture.solved.residual_rms_px,
@@ -90,9 +94,10 @@ std::string pictures_text(const CalibrateResult &result)
     }
     const std::size_t width = text_name_width(names);
     std::string text = "  " + text_padded("picture", width) +
-                       "  nodes  outliers  residual px  tilt deg\n";
+                       (result.has_solution ? "  nodes  outliers  residual px  tilt deg\n"
+                                            : "  nodes\n");
     for (const CalibratePicture &picture : result.pictures) {
-        text += picture_line(picture, width);
+        text += picture_line(picture, width, result.has_solution);
     }
     return text;
 }
@@ -130,5 +135,6 @@ std::string calibrate_text(const CalibrateResult &result, const std::string &out
             text += std::string("warning: ") + warning.advice + "\n";
         }
     }
-    return text + (out.empty() ? "no camera file was written: " + result.reason : "written: " + out);
+    return text + (out.empty() ? "no camera file was written: " + result.reason
+                               : "written: " + out);
 }

@@ -133,8 +133,8 @@ class Calibrate(CliTest):
         self.assertIn("does not exist", result.stderr)
 
     def test_unknown_keys_of_an_old_file_survive_and_its_own_are_new(self):
-        self.out.write_text(CAMERA + "  serial: \"007\"\nvendor: {lens: 'f/2: \"wide\"', n: [1, ~]}\n"
-                            "binning_x: 0\n")
+        self.out.write_text(CAMERA + "  serial: \"007\"\n"
+                            "vendor: {lens: 'f/2: \"wide\"', n: [1, ~]}\nbinning_x: 0\n")
         os.chmod(self.out, 0o640)
         result = self.calibrate(*PICTURES)
         self.assertEqual(result.returncode, OK, result.stderr)

@@ -111,8 +111,8 @@ class Calibration(unittest.TestCase):
         self.assertLess(rms(errors), 0.6)
 
     def test_a_footprint_counts_for_the_picture_it_names(self):
-        """The head named 10 mm further right puts the camera 10 mm further left on it. A copy of the
-        picture is no second witness, and is left out."""
+        """The head named 10 mm further right puts the camera 10 mm further left on it. A copy of
+        the picture is no second witness, and is left out."""
         copy = self.out.with_name("again.png")
         copy.write_bytes(PICTURES[0].read_bytes())
         result = run("calibrate", "--grid", "a0-25", "--json", "--out", self.out.with_name("two"),
