@@ -224,10 +224,15 @@ private:
     fs::path path_;
 };
 
+/** A link stays a link: the file it leads to is replaced. */
+fs::path target_of(const std::string &path)
+{
+    return fs::exists(path) ? fs::canonical(path) : fs::path(path);
+}
+
 void replace_file(const std::string &path, const std::string &text)
 {
-    /* A link stays a link: the file it leads to is replaced. */
-    const fs::path target = fs::exists(path) ? fs::canonical(path) : fs::path(path);
+    const fs::path target = target_of(path);
     const AsideFile aside(target);
     aside.write(text);
     if (fs::exists(target)) {
@@ -272,7 +277,7 @@ bool camera_file_may_write(const std::string &path, std::string &error) noexcept
         if (!fs::is_directory(folder)) {
             throw FieldError("the folder " + folder.string() + " does not exist");
         }
-        AsideFile(path).write("\n");
+        AsideFile(target_of(path)).write("\n");
     });
 }
 
