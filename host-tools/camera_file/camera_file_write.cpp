@@ -33,16 +33,17 @@ struct OldKeys {
     std::string root_lines, opms_lines;
 };
 
+/** @param map  A mapping whose keys FieldMap has found to be scalars. */
 template <std::size_t N>
-std::string other_lines(const FieldMap &map, const char *const (&ours)[N], const char *indent)
+std::string other_lines(const YAML::Node &map, const char *const (&ours)[N], const char *indent)
 {
     std::string lines;
-    for (const auto &entry : map.entries()) {
+    for (const auto &entry : map) {
+        const std::string &name = entry.first.Scalar();
         const bool mine = std::any_of(std::begin(ours), std::end(ours),
-                                      [&](const char *key) { return entry.first == key; });
+                                      [&](const char *key) { return name == key; });
         if (!mine) {
-            lines += indent + yaml_flow(YAML::Node(entry.first)) + ": " + yaml_flow(entry.second) +
-                     "\n";
+            lines += indent + yaml_flow(entry.first) + ": " + yaml_flow(entry.second) + "\n";
         }
     }
     return lines;
@@ -56,7 +57,7 @@ OldKeys parse_old(const std::string &bytes)
     if (!root.has("camera_matrix")) {
         throw FieldError("is no camera file");
     }
-    old.root_lines = other_lines(root, ROOT_KEYS, "");
+    old.root_lines = other_lines(document, ROOT_KEYS, "");
     if (root.has("camera_name")) {
         old.name = root.get("camera_name").text();
     }
@@ -65,7 +66,7 @@ OldKeys parse_old(const std::string &bytes)
         if (opms.has("version") && opms.get("version").number() != 1) {
             opms.get("version").fail("is not 1: the file was written for another version of opms");
         }
-        old.opms_lines = other_lines(opms, OPMS_KEYS, "  ");
+        old.opms_lines = other_lines(root.get("opms").node, OPMS_KEYS, "  ");
     }
     return old;
 }

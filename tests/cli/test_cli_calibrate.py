@@ -134,7 +134,8 @@ class Calibrate(CliTest):
 
     def test_unknown_keys_of_an_old_file_survive_and_its_own_are_new(self):
         self.out.write_text(CAMERA + "  serial: \"007\"\n"
-                            "vendor: {lens: 'f/2: \"wide\"', n: [1, ~]}\nbinning_x: 0\n")
+                            "vendor: {lens: 'f/2: \"wide\"', n: [1, ~]}\nbinning_x: 0\n"
+                            "\"007\": !bond |\n  two\n  lines\n")
         os.chmod(self.out, 0o640)
         result = self.calibrate(*PICTURES)
         self.assertEqual(result.returncode, OK, result.stderr)
@@ -142,6 +143,7 @@ class Calibrate(CliTest):
         self.assertIn('  serial: "007"\n', text)
         self.assertIn('vendor: {lens: "f/2: \\"wide\\"", n: [1, null]}\n', text)
         self.assertIn("binning_x: 0\n", text)
+        self.assertIn('"007": !<!bond> "two\\x0alines\\x0a"\n', text)
         self.assertIn('camera_name: "test"\n', text)
         self.assertIn("image_width: 1024\n", text)
         self.assertNotIn("60.0", text)
