@@ -10,7 +10,7 @@
 
 #include <opms/clock.h>
 
-#include "counting_allocator.h"
+#include "../counting_allocator.h"
 
 #define MS 1000000LL
 #define PINGS 20000

@@ -5,7 +5,7 @@
 
 #include <unity.h>
 
-#include "counting_allocator.h"
+#include "../counting_allocator.h"
 #include "pair_scene.h"
 
 static pair_scene_t scene;
