@@ -5,7 +5,7 @@
 // constraint.
 #include "calib/plane_view.h"
 
-#include <Eigen/Eigenvalues>
+#include <Eigen/Cholesky>
 
 #include <algorithm>
 
@@ -15,13 +15,13 @@ namespace opms::calib
 namespace
 {
 
-using Vec9 = Eigen::Matrix<double, 9, 1>;
 using Mat9 = Eigen::Matrix<double, 9, 9>;
+using Vec8 = Eigen::Matrix<double, 8, 1>;
 using Eigen::Vector2d;
 
 constexpr int PASSES = 6;
 constexpr uint32_t SAMPLES = 256; // points whose median residual is the scale
-constexpr double DEGENERATE = 1e-9; // of the eigenvalues' mean: a second null direction
+constexpr double DEGENERATE = 1e-9; // of a pivot: another homography would fit, too
 
 /* To the unit square's size, about the middle. */
 struct Units {
@@ -68,20 +68,27 @@ void add_point(const Pair &pair, double weight, Mat9 &sum)
     sum.block<3, 3>(6, 6) += (x * x + y * y) * moment;
 }
 
-bool smallest_vector(Mat9 &sum, Mat3 &homography)
+/* The middle of the points is in front of the camera, so the last entry may be set to 1. */
+bool solve_equations(Mat9 &sum, Mat3 &homography)
 {
     sum.block<3, 3>(6, 0) = sum.block<3, 3>(0, 6);
     sum.block<3, 3>(6, 3) = sum.block<3, 3>(3, 6);
-    const Eigen::SelfAdjointEigenSolver<Mat9> solver(sum);
-    if (solver.info() != Eigen::Success || !solver.eigenvalues().allFinite() ||
-        !(solver.eigenvalues()[1] > DEGENERATE * sum.trace())) {
-        return false; // points in one line, or too few: several homographies fit
+    const Mat8 matrix = sum.topLeftCorner<8, 8>();
+    const Vec8 diagonal = matrix.diagonal();
+    if (!(diagonal.minCoeff() > 0.0)) {
+        return false;
     }
-    homography = Eigen::Map<const algebra::RowMajor<3, 3>>(solver.eigenvectors().data());
-    if (homography(2, 2) < 0.0) { // the middle of the points is in front of the camera
-        homography = -homography;
+    const Vec8 units = diagonal.cwiseSqrt().cwiseInverse();
+    const Mat8 scaled = units.asDiagonal() * matrix * units.asDiagonal();
+    const Eigen::LDLT<Mat8> factor(scaled);
+    if (factor.info() != Eigen::Success || !(factor.vectorD().minCoeff() > DEGENERATE)) {
+        return false; // points in one line, or too few
     }
-    return true;
+    const Vec8 right = units.cwiseProduct(sum.topRightCorner<8, 1>());
+    Eigen::Matrix<double, 9, 1> entries;
+    entries << -units.cwiseProduct(factor.solve(right)), 1.0;
+    homography = Eigen::Map<const algebra::RowMajor<3, 3>>(entries.data());
+    return entries.allFinite();
 }
 
 double distance(const Mat3 &homography, const Pair &pair)
@@ -120,7 +127,7 @@ bool fit_pass(const Picture &picture, const Units &target, const Units &seen, bo
         }
         add_point(pair, weight, sum);
     }
-    return smallest_vector(sum, homography);
+    return solve_equations(sum, homography);
 }
 
 } // namespace

@@ -4,8 +4,6 @@
 #include <opms/lens.h>
 #include <opms/pose.h>
 
-#include <Eigen/Eigenvalues>
-
 #include "base/fail.h"
 #include "pose/pose_algebra.h"
 
@@ -18,6 +16,26 @@ namespace
 constexpr double ROTATION_TOLERANCE = 1e-6;
 constexpr double SYMMETRY_TOLERANCE = 1e-6;
 constexpr double VARIANCE_TOLERANCE = -1e-6; // of a correlation matrix written with few digits
+
+/* Is no eigenvalue below the tolerance? Cholesky's pivots of the matrix raised by it say so; an
+ * eigenvalue solver would cost a hundred kilobytes of code. */
+bool has_no_negative_direction(double *matrix, int size)
+{
+    for (int i = 0; i < size; ++i) {
+        matrix[size * i + i] -= VARIANCE_TOLERANCE;
+        for (int j = 0; j <= i; ++j) {
+            double rest = matrix[size * i + j];
+            for (int k = 0; k < j; ++k) {
+                rest -= matrix[size * i + k] * matrix[size * j + k];
+            }
+            if (i == j && !(rest > 0.0)) {
+                return false;
+            }
+            matrix[size * i + j] = i == j ? std::sqrt(rest) : rest / matrix[size * j + j];
+        }
+    }
+    return true;
+}
 
 template <int Size>
 opms_status_t check_covariance(const double *values, const char *name, opms_error_t *err)
@@ -50,11 +68,8 @@ opms_status_t check_covariance(const double *values, const char *name, opms_erro
             }
         }
     }
-    const Eigen::Matrix<double, Size, Size> correlation =
-        unit.asDiagonal() * matrix * unit.asDiagonal();
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, Size, Size>> spectrum(
-        correlation, Eigen::EigenvaluesOnly);
-    if (!(spectrum.eigenvalues().minCoeff() >= VARIANCE_TOLERANCE)) {
+    RowMajor<Size, Size> correlation = unit.asDiagonal() * matrix * unit.asDiagonal();
+    if (!has_no_negative_direction(correlation.data(), Size)) {
         return opms_fail(err, OPMS_ERR_ARG, "pose", -1,
                          "camera->%s has a negative variance in some direction", name);
     }

@@ -12,10 +12,14 @@ namespace opms::pose
 namespace
 {
 
-/* Rotation that takes the z axis to the direction of v. */
+/* Rotation that takes the z axis to the direction of v, which looks ahead (v.z > 0). Eigen's own
+ * brings a singular value decomposition along for vectors that look back. */
 Mat3 turn_axis_to(const Vec3 &v)
 {
-    return Eigen::Quaterniond::FromTwoVectors(Vec3::UnitZ(), v).toRotationMatrix();
+    const Vec3 to = v.normalized();
+    const Vec3 axis(-to.y(), to.x(), 0.0); // z x v, its length the angle's sine
+    const Mat3 cross = skew(axis);
+    return Mat3::Identity() + cross + cross * cross / (1.0 + to.z());
 }
 
 Placement placement_of(const Mat3 &camera_from_bar, const Vec3 &point_camera, double X, double Y)
