@@ -221,7 +221,8 @@ CalibrateResult calibrate_run(const CalibrateJob &job, const CalibrateTalk &talk
                      result.calib.pictures_used, result.calib.points_used, result.calib.outliers,
                      result.calib.residual_rms_px));
     if (result.calib.warnings & CALIBRATE_OPEN) {
-        fail(result, CalibrateState::undetermined, "the pictures do not fix the camera");
+        fail(result, CalibrateState::undetermined,
+             "the pictures do not fix the camera: tilt it in other ways between them");
         return result;
     }
     place_camera(calibrator.get(), job, result);

@@ -173,12 +173,15 @@ void BoxCore::take(const Input &input)
         for (const opms_box_item_t &item : taken_.items) {
             note(item);
         }
-        if (options_.fill_gaps) {
-            new_gaps_.insert(new_gaps_.end(), taken_.gaps.begin(), taken_.gaps.end());
-        }
         changed_.notify_all();
     }
     deliver(taken_.items.data(), taken_.items.size());
+    // Only now: what is fetched from HISTORY must come after the word that it was lost.
+    if (options_.fill_gaps && !taken_.gaps.empty()) {
+        const std::lock_guard<std::mutex> guard(mutex_);
+        new_gaps_.insert(new_gaps_.end(), taken_.gaps.begin(), taken_.gaps.end());
+        changed_.notify_all();
+    }
 }
 
 /** Remember what callers may wait for. Call with the mutex held. */
