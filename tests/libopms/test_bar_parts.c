@@ -13,7 +13,6 @@
 #include "bar/plane_map.h"
 #include "bar/quad.h"
 #include "bar/search_plan.h"
-#include "bar/solve_spd.h"
 #include "bar/stretch_fit.h"
 #include "bar_scene.h"
 #include "truth_project.h"
@@ -146,48 +145,6 @@ static void a_gap_holds_cells_of_both_its_squares(void)
     for (int k = 1; k < OPMS_BAR_SQUARES; ++k) {
         TEST_ASSERT_EQUAL_HEX(bar_gap_cells(k - 1, 1), bar_gap_cells(k, -1));
     }
-}
-
-/* Linear systems */
-
-static void a_definite_system_is_solved(void)
-{
-    uint64_t random = 3;
-    for (int n = 1; n <= 9; ++n) {
-        double root[81], matrix[81] = {0}, x[9], b[9] = {0};
-        for (int i = 0; i < n * n; ++i) {
-            root[i] = truth_gauss(&random);
-        }
-        for (int i = 0; i < n; ++i) {
-            x[i] = truth_gauss(&random);
-            for (int j = 0; j < n; ++j) {
-                for (int k = 0; k < n; ++k) {
-                    matrix[i * n + j] += root[i * n + k] * root[j * n + k];
-                }
-                matrix[i * n + j] += i == j ? 0.1 : 0.0;
-            }
-        }
-        for (int i = 0; i < n * n; ++i) {
-            b[i / n] += matrix[i] * x[i % n];
-        }
-        TEST_ASSERT_TRUE(spd_factor(matrix, n));
-        spd_solve(matrix, n, b);
-        for (int i = 0; i < n; ++i) {
-            TEST_ASSERT_DOUBLE_WITHIN(1e-9, x[i], b[i]);
-        }
-    }
-}
-
-static void a_system_that_is_not_definite_is_refused(void)
-{
-    double singular[4] = {1.0, 2.0, 2.0, 4.0};
-    double negative[4] = {1.0, 3.0, 3.0, 1.0};
-    double nothing[1] = {0.0};
-    double broken[1] = {NAN};
-    TEST_ASSERT_FALSE(spd_factor(singular, 2));
-    TEST_ASSERT_FALSE(spd_factor(negative, 2));
-    TEST_ASSERT_FALSE(spd_factor(nothing, 1));
-    TEST_ASSERT_FALSE(spd_factor(broken, 1));
 }
 
 /* The map of the plane */
@@ -437,8 +394,6 @@ int main(void)
     UNITY_BEGIN();
     RUN_TEST(neighbouring_codes_tell_places_and_directions_apart);
     RUN_TEST(a_gap_holds_cells_of_both_its_squares);
-    RUN_TEST(a_definite_system_is_solved);
-    RUN_TEST(a_system_that_is_not_definite_is_refused);
     RUN_TEST(a_fitted_map_projects_as_the_camera_does);
     RUN_TEST(the_gradient_of_a_map_is_its_slope);
     RUN_TEST(a_relabelled_map_is_the_same_map);

@@ -70,13 +70,15 @@ struct Rigid {
     Vec3 t;
 };
 
-/** Apply the step (w, d) to a camera's pose: the plane point `pivot` moves linearly in the camera
+/** Apply a step to a camera's pose: it turns by `w` and the target comes nearer by `d_camera`, both
+ * in the camera frame. The plane point `pivot` moves linearly in the camera
  * frame, so that a large rotation swings the camera around the target as it should, instead of
  * flying off along the tangent. */
-inline Rigid swung(const Rigid &from, const Vec3 &w, const Vec3 &d, const Vec3 &pivot)
+inline Rigid swung(const Rigid &from, const Vec3 &w, const Vec3 &d_camera,
+                   const Vec3 &pivot)
 {
     const Vec3 seen = from.R.transpose() * (pivot - from.t);
-    const Vec3 seen_then = seen + seen.cross(w) - from.R.transpose() * d;
+    const Vec3 seen_then = seen + seen.cross(w) - d_camera;
     Rigid to;
     to.R = orthonormal(from.R * rotation_exp(w));
     to.t = pivot - to.R * seen_then;

@@ -5,7 +5,7 @@
 #include <stddef.h>
 #include <string.h>
 
-#include "bar/solve_spd.h"
+#include "algebra/spd.h"
 
 /* Where white is cut at a part of its true height, what is left of a profile is its foot. How far
  * before the edge the foot lies depends on the blur, which differs between the two families of
@@ -204,7 +204,7 @@ void clip_gains(const edge_scene_t *scene, bar_fit_t *fit)
         known[a * CLIP_UNKNOWNS + a] += 1e-6 * (1 + known[a * CLIP_UNKNOWNS + a]);
     }
     mean_rows(fit, row, weight);
-    if (!spd_factor(known, CLIP_UNKNOWNS) || !(weight[0] > 0 && weight[1] > 0)) {
+    if (!spd_factor(known, CLIP_UNKNOWNS, SPD_PIVOT_LEAST) || !(weight[0] > 0 && weight[1] > 0)) {
         return;
     }
     /* Covariance of the families' shifts, and its larger eigenvector. */

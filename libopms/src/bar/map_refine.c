@@ -8,7 +8,7 @@
 #include "bar/clip_fit.h"
 #include "bar/correlation.h"
 #include "bar/picture_shape.h"
-#include "bar/solve_spd.h"
+#include "algebra/spd.h"
 
 /* Passes of: measure the stretches where the map expects them, throw out those that cannot be a
  * side of this bar, fit map and common shift to the rest (Tukey's weights), take over the blur that
@@ -225,7 +225,7 @@ static int fit_map(const edge_scene_t *scene, bar_fit_t *fit, double change[FIT_
         for (int j = 0; j < n; ++j) {
             normal[n * j + j] *= 1 + 1e-9;
         }
-        if (!spd_factor(normal, n)) {
+        if (!spd_factor(normal, n, SPD_PIVOT_LEAST)) {
             return 0;
         }
         spd_solve(normal, n, rhs);

@@ -4,7 +4,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "bar/solve_spd.h"
+#include "algebra/spd.h"
 #include "lens/lens_fast.h"
 
 #define X_UNIT_MM 10.0
@@ -41,7 +41,7 @@ int plane_map_fit(plane_map_t *map, const plane_pair_t *pairs, int count)
             }
         }
     }
-    if (!spd_factor(normal, 8)) {
+    if (!spd_factor(normal, 8, SPD_PIVOT_LEAST)) {
         return 0;
     }
     spd_solve(normal, 8, rhs);

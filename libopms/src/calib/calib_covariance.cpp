@@ -4,8 +4,7 @@
 // their uncertainty does to it.
 #include "calib/calib_covariance.h"
 
-#include <Eigen/Cholesky>
-
+#include "algebra/spd.h"
 #include "calib/calib_priors.h"
 #include "calib/normal_equations.h"
 
@@ -15,98 +14,98 @@ namespace opms::calib
 namespace
 {
 
-template <int N>
-bool invert(const Eigen::Matrix<double, N, N> &matrix, Eigen::Matrix<double, N, N> &inverse)
-{
-    using Square = Eigen::Matrix<double, N, N>;
-    using Vector = Eigen::Matrix<double, N, 1>;
-    const Vector diagonal = matrix.diagonal();
-    if (!(diagonal.minCoeff() > 0.0)) {
-        return false;
-    }
-    // Pixels, radians and metres differ by orders: compare in units of the diagonal.
-    const Vector units = diagonal.cwiseSqrt().cwiseInverse();
-    const Square scaled = units.asDiagonal() * matrix * units.asDiagonal();
-    const Eigen::LDLT<Square> factor(scaled);
-    if (factor.info() != Eigen::Success || !(factor.vectorD().minCoeff() > 1e-13)) {
-        return false;
-    }
-    const Square solved = factor.solve(Square::Identity());
-    inverse = units.asDiagonal() * (0.5 * (solved + solved.transpose())) * units.asDiagonal();
-    return inverse.allFinite();
-}
+constexpr double PIVOT_LEAST = 1e-13;
 
-template <int S>
-bool add_picture(Picture &picture, const PictureEquations<S> &equations, double variance,
-                 Eigen::Matrix<double, S, S> &total)
+/* What a picture says of the shared unknowns, its pose eliminated, is added to `total`. */
+bool add_picture(Picture &picture, const PictureEquations &equations, double variance,
+                 double *total)
 {
-    Mat6 inverse;
-    if (!invert<6>(equations.pose, inverse)) {
+    Mat6 inverse = equations.pose;
+    if (!spd_invert(inverse.data(), 6, PIVOT_LEAST)) {
         return false;
     }
-    const Eigen::Matrix<double, 6, S> slope = inverse * equations.coupling.transpose();
-    const Eigen::Matrix<double, S, S> information =
-        equations.shared - equations.coupling * slope;
-    total += information / variance;
-    picture.information = information.template topLeftCorner<LENS, LENS>() / variance;
+    const int size = equations.size;
     picture.pose_covariance = variance * inverse;
     picture.slope.setZero();
-    picture.slope.template leftCols<S>() = slope;
+    for (int j = 0; j < size; ++j) {
+        picture.slope.col(j) = inverse * Eigen::Map<const Vec6>(equations.coupling + 6 * j);
+    }
+    for (int i = 0; i < size; ++i) {
+        const Eigen::Map<const Vec6> coupling(equations.coupling + 6 * i);
+        for (int j = 0; j < size; ++j) {
+            const double information =
+                (equations.shared[i * size + j] - coupling.dot(picture.slope.col(j))) / variance;
+            total[i * size + j] += information;
+            if (i < LENS && j < LENS) {
+                picture.information(i, j) = information;
+            }
+        }
+    }
     return true;
 }
 
-template <int S>
-bool solve(opms_calibrator &calibrator, double scale, double variance, double cockle_scale_m)
+void add_priors(const opms_calibrator &calibrator, int size, double *total)
 {
-    using Square = Eigen::Matrix<double, S, S>;
-    Square total = Square::Zero(), covariance;
-    for (uint32_t k = 0; k < calibrator.picture_count; ++k) {
-        Picture &picture = calibrator.pictures[k];
-        if (!in_use(picture)) {
-            continue;
-        }
-        PictureEquations<S> equations;
-        sum_equations<S>(picture, calibrator.shape, picture.pose, scale, cockle_scale_m, 1,
-                         Weights::Inliers, equations);
-        if (!add_picture<S>(picture, equations, variance, total)) {
-            return false;
-        }
-    }
-    for (int i = 0; i < S; ++i) {
+    for (int i = 0; i < size; ++i) {
         const Prior prior = prior_of(calibrator, calibrator.shape, i);
-        total(i, i) += prior.sigma > 0.0 ? 1.0 / (prior.sigma * prior.sigma) : 0.0;
+        total[i * size + i] += prior.sigma > 0.0 ? 1.0 / (prior.sigma * prior.sigma) : 0.0;
     }
-    if (!invert<S>(total, covariance)) {
-        return false;
-    }
-    calibrator.covariance.setZero();
-    calibrator.covariance.topLeftCorner<S, S>() = covariance;
-    return true;
 }
 
 } // namespace
 
 bool invert_lens_information(const Mat8 &information, Mat8 &covariance)
 {
-    return invert<LENS>(information, covariance);
+    covariance = information;
+    return spd_invert(covariance.data(), LENS, PIVOT_LEAST) != 0;
 }
 
 bool solve_covariance(opms_calibrator &calibrator, double scale, double variance, bool with_cockle)
 {
-    return with_cockle ? solve<SHARED>(calibrator, scale, variance, calibrator.cockle_scale_m)
-                       : solve<LENS>(calibrator, scale, variance, 0.0);
+    double total[SHARED * SHARED] = {};
+    PictureEquations equations;
+    equations.size = with_cockle ? SHARED : LENS;
+    const int size = equations.size;
+    for (uint32_t k = 0; k < calibrator.picture_count; ++k) {
+        Picture &picture = calibrator.pictures[k];
+        if (!in_use(picture)) {
+            continue;
+        }
+        sum_equations(picture, calibrator.shape, picture.pose, scale,
+                      with_cockle ? calibrator.cockle_scale_m : 0.0, 1, Weights::Inliers,
+                      equations);
+        if (!add_picture(picture, equations, variance, total)) {
+            return false;
+        }
+    }
+    add_priors(calibrator, size, total);
+    if (!spd_invert(total, size, PIVOT_LEAST)) {
+        return false;
+    }
+    calibrator.covariance.setZero();
+    for (int i = 0; i < size; ++i) {
+        for (int j = 0; j < size; ++j) {
+            calibrator.covariance(i, j) = total[i * size + j];
+        }
+    }
+    return true;
+}
+
+Mat6 by_shared_covariance(const opms_calibrator &calibrator, const Mat6Shared &by_shared)
+{
+    const Mat6Shared product = by_shared.lazyProduct(calibrator.covariance);
+    return product.lazyProduct(by_shared.transpose());
 }
 
 Mat6 full_pose_covariance(const opms_calibrator &calibrator, const Picture &picture)
 {
-    return picture.pose_covariance +
-           picture.slope * calibrator.covariance * picture.slope.transpose();
+    return picture.pose_covariance + by_shared_covariance(calibrator, picture.slope);
 }
 
 Eigen::Matrix<double, 6, LENS> pose_lens_covariance(const opms_calibrator &calibrator,
                                                     const Picture &picture)
 {
-    return -(picture.slope * calibrator.covariance.leftCols<LENS>());
+    return -picture.slope.lazyProduct(calibrator.covariance.leftCols<LENS>());
 }
 
 } // namespace opms::calib

@@ -20,6 +20,9 @@ bool solve_covariance(opms_calibrator &calibrator, double scale, double variance
 /** Inverse of a symmetric positive definite matrix of unlike units; false where it is singular. */
 bool invert_lens_information(const Mat8 &information, Mat8 &covariance);
 
+/** Covariance of six figures that answer to the shared unknowns by `by_shared`. */
+Mat6 by_shared_covariance(const opms_calibrator &calibrator, const Mat6Shared &by_shared);
+
 /** A picture's pose, its lens's uncertainty included; and with the lens's parameters. */
 Mat6 full_pose_covariance(const opms_calibrator &calibrator, const Picture &picture);
 Eigen::Matrix<double, 6, LENS> pose_lens_covariance(const opms_calibrator &calibrator,

@@ -6,8 +6,7 @@
 
 #include <cmath>
 
-#include <Eigen/Cholesky>
-
+#include "algebra/spd.h"
 #include "base/fail.h"
 #include "calib/calib_covariance.h"
 
@@ -99,7 +98,7 @@ opms_status_t check(const opms_calibrator_t *calibrator, const opms_footprint_t 
 struct Mean {
     Rigid transform;
     Mat6 own;                             // covariance without the lens's part
-    Eigen::Matrix<double, 6, SHARED> by_shared;
+    Mat6Shared by_shared;
 };
 
 bool mean_of(const opms_calibrator_t &calibrator, const opms_footprint_t *footprints,
@@ -114,25 +113,23 @@ bool mean_of(const opms_calibrator_t &calibrator, const opms_footprint_t *footpr
     mean.by_shared.setZero();
     for (uint32_t i = 0; i < count; ++i) {
         const Sight sight = sight_of(picture(i), footprints[i]);
-        const Eigen::LLT<Mat6> factor(own_covariance(picture(i), footprints[i], sight));
-        if (factor.info() != Eigen::Success) {
+        Mat6 weight = own_covariance(picture(i), footprints[i], sight);
+        if (!spd_invert(weight.data(), 6, SPD_PIVOT_LEAST)) {
             return false;
         }
-        const Mat6 weight = factor.solve(Mat6::Identity());
         total += weight;
         pull += weight * difference(mean.transform, sight.detector_camera);
-        mean.by_shared -= weight * sight.by_pose * picture(i).slope;
+        mean.by_shared -= (weight * sight.by_pose).eval().lazyProduct(picture(i).slope);
     }
-    const Eigen::LLT<Mat6> factor(total);
-    if (factor.info() != Eigen::Success) {
+    mean.own = total;
+    if (!spd_invert(mean.own.data(), 6, SPD_PIVOT_LEAST)) {
         return false;
     }
-    const Vec6 step = factor.solve(pull);
+    const Vec6 step = mean.own * pull;
     mean.transform.R = opms::algebra::orthonormal(
         mean.transform.R * opms::algebra::rotation_exp(step.head<3>()));
     mean.transform.t += step.tail<3>();
-    mean.own = factor.solve(Mat6::Identity());
-    mean.by_shared = factor.solve(mean.by_shared).eval();
+    mean.by_shared = mean.own.lazyProduct(mean.by_shared).eval();
     return true;
 }
 
@@ -155,7 +152,7 @@ opms_status_t opms_calibrator_camera(const opms_calibrator_t *calibrator,
     Eigen::Map<Vec3>(camera->detector_camera.t_m) = mean.transform.t;
     camera->has_detector_camera = 1;
     const Mat6 covariance =
-        mean.own + mean.by_shared * calibrator->covariance * mean.by_shared.transpose();
+        mean.own + by_shared_covariance(*calibrator, mean.by_shared);
     Eigen::Map<RowMajor<6, 6>>(camera->covariance_detector_camera) =
         0.5 * (covariance + covariance.transpose());
     camera->has_covariance_detector_camera = 1;

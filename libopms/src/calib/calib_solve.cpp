@@ -5,10 +5,10 @@
 // The robust scale starts at the median residual and follows it down as the fit improves.
 #include "calib/calib_solve.h"
 
-#include <Eigen/Cholesky>
-
 #include <algorithm>
+#include <cmath>
 
+#include "algebra/spd.h"
 #include "calib/calib_priors.h"
 #include "calib/normal_equations.h"
 
@@ -25,10 +25,14 @@ constexpr double CONVERGED = 1e-4; // promised fall of the cost, in sigma^2
 constexpr double ROUNDING = 1e-2;  // the same, where the step did no good
 constexpr uint32_t SAMPLES = 4096;
 
-template <int S>
-using SharedVec = Eigen::Matrix<double, S, 1>;
-template <int S>
-using SharedMat = Eigen::Matrix<double, S, S>;
+constexpr double PIVOT_LEAST = 1e-15;
+
+/* Equations of the shared unknowns alone, packed like those of a picture. */
+struct SharedEquations {
+    double matrix[SHARED * SHARED];
+    double gradient[SHARED];     // the poses eliminated
+    double own_gradient[SHARED]; // with the poses as they are
+};
 
 void add_to(opms_lens_t &lens, const double *step)
 {
@@ -39,24 +43,23 @@ void add_to(opms_lens_t &lens, const double *step)
     }
 }
 
-template <int S>
-void add_priors(const opms_calibrator &calibrator, const Shape &shape, SharedMat<S> &matrix,
-                SharedVec<S> &gradient)
+void add_priors(const opms_calibrator &calibrator, int size, SharedEquations &shared)
 {
-    for (int i = 0; i < S; ++i) {
-        const Prior prior = prior_of(calibrator, shape, i);
+    for (int i = 0; i < size; ++i) {
+        const Prior prior = prior_of(calibrator, calibrator.shape, i);
         if (prior.sigma > 0.0) {
-            matrix(i, i) += 1.0 / (prior.sigma * prior.sigma);
-            gradient[i] += prior.off / (prior.sigma * prior.sigma);
+            const double weight = 1.0 / (prior.sigma * prior.sigma);
+            shared.matrix[i * size + i] += weight;
+            shared.gradient[i] += weight * prior.off;
+            shared.own_gradient[i] += weight * prior.off;
         }
     }
 }
 
-template <int S>
-double prior_cost(const opms_calibrator &calibrator, const Shape &shape)
+double prior_cost(const opms_calibrator &calibrator, const Shape &shape, int size)
 {
     double cost = 0.0;
-    for (int i = 0; i < S; ++i) {
+    for (int i = 0; i < size; ++i) {
         const Prior prior = prior_of(calibrator, shape, i);
         if (prior.sigma > 0.0) {
             cost += prior.off * prior.off / (prior.sigma * prior.sigma);
@@ -66,52 +69,37 @@ double prior_cost(const opms_calibrator &calibrator, const Shape &shape)
 }
 
 /* Take the pose of a picture out of the equations of the shared unknowns. */
-template <int S>
-bool eliminate(const PictureEquations<S> &equations, double damping, Picture &picture,
-               SharedMat<S> &matrix, SharedVec<S> &gradient)
+bool eliminate(const PictureEquations &equations, double damping, Picture &picture,
+               SharedEquations &shared)
 {
-    Mat6 pose = equations.pose;
-    const Vec6 diagonal = pose.diagonal();
-    if (!(diagonal.minCoeff() > 0.0)) {
+    const int size = equations.size;
+    Mat6 factor = equations.pose;
+    factor.diagonal() *= 1.0 + damping;
+    if (!spd_factor(factor.data(), 6, SPD_PIVOT_LEAST)) {
         return false;
     }
-    pose.diagonal() += damping * diagonal;
-    const Eigen::LLT<Mat6> factor(pose);
-    if (factor.info() != Eigen::Success) {
-        return false;
+    picture.gradient = picture.step = equations.pose_gradient;
+    spd_solve(factor.data(), 6, picture.step.data());
+    for (int j = 0; j < size; ++j) {
+        const Eigen::Map<const Vec6> coupling(equations.coupling + 6 * j);
+        picture.slope.col(j) = coupling;
+        spd_solve(factor.data(), 6, picture.slope.col(j).data());
+        shared.own_gradient[j] += equations.shared_gradient[j];
+        shared.gradient[j] += equations.shared_gradient[j] - coupling.dot(picture.step);
+        for (int i = 0; i < size; ++i) {
+            const Eigen::Map<const Vec6> other(equations.coupling + 6 * i);
+            shared.matrix[i * size + j] +=
+                equations.shared[i * size + j] - other.dot(picture.slope.col(j));
+        }
     }
-    picture.slope.template leftCols<S>() = factor.solve(equations.coupling.transpose());
-    picture.step = factor.solve(equations.pose_gradient);
-    picture.gradient = equations.pose_gradient;
-    matrix.noalias() +=
-        equations.shared - equations.coupling * picture.slope.template leftCols<S>();
-    gradient.noalias() += equations.shared_gradient - equations.coupling * picture.step;
-    return picture.slope.template leftCols<S>().allFinite();
+    return picture.slope.leftCols(size).allFinite();
 }
 
-template <int S>
-bool solve_shared(const SharedMat<S> &matrix, const SharedVec<S> &gradient, SharedVec<S> &step)
-{
-    const SharedVec<S> diagonal = matrix.diagonal();
-    if (!(diagonal.minCoeff() > 0.0)) {
-        return false;
-    }
-    const SharedVec<S> units = diagonal.cwiseSqrt().cwiseInverse();
-    const SharedMat<S> scaled = units.asDiagonal() * matrix * units.asDiagonal();
-    const Eigen::LDLT<SharedMat<S>> factor(scaled);
-    if (factor.info() != Eigen::Success || !(factor.vectorD().minCoeff() > 1e-15)) {
-        return false;
-    }
-    step = -(units.asDiagonal() * factor.solve(units.asDiagonal() * gradient));
-    return step.allFinite();
-}
-
-template <int S>
-Shape moved(const Shape &from, const SharedVec<S> &step)
+Shape moved(const Shape &from, const double *step, int size)
 {
     Shape to = from;
-    add_to(to.lens, step.data());
-    for (int k = LENS; k < S; ++k) {
+    add_to(to.lens, step);
+    for (int k = LENS; k < size; ++k) {
         to.cockle[k - LENS] += step[k];
     }
     return to;
@@ -119,16 +107,16 @@ Shape moved(const Shape &from, const SharedVec<S> &step)
 
 Rigid moved(const Picture &picture, const Vec6 &step)
 {
-    return algebra::swung(picture.pose, step.head<3>(), step.tail<3>(), picture.middle);
+    return algebra::swung(picture.pose, step.head<3>(),
+                          picture.pose.R.transpose() * step.tail<3>(), picture.middle);
 }
 
-template <int S>
 class Solver
 {
 public:
     Solver(opms_calibrator &calibrator, const SolvePlan &plan)
-        : calibrator_(calibrator), plan_(plan),
-          cockle_scale_m_(S > LENS ? calibrator.cockle_scale_m : 0.0)
+        : calibrator_(calibrator), plan_(plan), size_(plan.with_cockle ? SHARED : LENS),
+          cockle_scale_m_(plan.with_cockle ? calibrator.cockle_scale_m : 0.0)
     {
     }
 
@@ -178,57 +166,62 @@ private:
                                      scale, cockle_scale_m_, plan_.stride);
             }
         }
-        return cost + prior_cost<S>(calibrator_, shape);
+        return cost + prior_cost(calibrator_, shape, size_);
     }
 
-    bool sum_up(double scale, double damping, SharedMat<S> &matrix, SharedVec<S> &gradient,
-                SharedVec<S> &shared_gradient)
+    bool sum_up(double scale, double damping, SharedEquations &shared)
     {
-        matrix.setZero();
-        gradient.setZero();
-        shared_gradient.setZero();
+        shared = {};
         for (uint32_t k = 0; k < calibrator_.picture_count; ++k) {
             Picture &picture = calibrator_.pictures[k];
             if (!in_use(picture)) {
                 continue;
             }
-            PictureEquations<S> equations;
-            sum_equations<S>(picture, calibrator_.shape, picture.pose, scale, cockle_scale_m_,
-                             plan_.stride, Weights::Robust, equations);
-            shared_gradient += equations.shared_gradient;
-            if (!equations.in_front ||
-                !eliminate<S>(equations, damping, picture, matrix, gradient)) {
+            PictureEquations equations;
+            equations.size = size_;
+            sum_equations(picture, calibrator_.shape, picture.pose, scale, cockle_scale_m_,
+                          plan_.stride, Weights::Robust, equations);
+            if (!equations.in_front || !eliminate(equations, damping, picture, shared)) {
                 return false;
             }
         }
-        SharedVec<S> pull = SharedVec<S>::Zero();
-        add_priors<S>(calibrator_, calibrator_.shape, matrix, pull);
-        gradient += pull;
-        shared_gradient += pull;
-        matrix.diagonal() *= 1.0 + damping;
+        add_priors(calibrator_, size_, shared);
+        for (int i = 0; i < size_; ++i) {
+            shared.matrix[i * size_ + i] *= 1.0 + damping;
+        }
         return true;
     }
 
     /* One step; false where it made the fit worse and was not taken. */
     bool iterate(SolveEnd &end, double damping, double &promised)
     {
-        SharedMat<S> matrix;
-        SharedVec<S> gradient, shared_gradient, step;
-        if (!sum_up(end.scale, damping, matrix, gradient, shared_gradient) ||
-            !solve_shared<S>(matrix, gradient, step)) {
+        SharedEquations shared;
+        double step[SHARED];
+        if (!sum_up(end.scale, damping, shared)) {
             return false;
         }
-        promised = -step.dot(shared_gradient);
+        for (int i = 0; i < size_; ++i) {
+            step[i] = -shared.gradient[i];
+        }
+        if (!spd_solve_scaled(shared.matrix, size_, 0.0, PIVOT_LEAST, step)) {
+            return false;
+        }
+        promised = 0.0;
+        for (int i = 0; i < size_; ++i) {
+            promised -= step[i] * shared.own_gradient[i];
+        }
         for (uint32_t k = 0; k < calibrator_.picture_count; ++k) {
             Picture &picture = calibrator_.pictures[k];
             if (in_use(picture)) {
-                const Vec6 pose_step =
-                    -(picture.step + picture.slope.template leftCols<S>() * step);
+                Vec6 pose_step = -picture.step;
+                for (int i = 0; i < size_; ++i) {
+                    pose_step -= picture.slope.col(i) * step[i];
+                }
                 promised -= pose_step.dot(picture.gradient);
                 picture.trial = moved(picture, pose_step);
             }
         }
-        const Shape shape = moved<S>(calibrator_.shape, step);
+        const Shape shape = moved(calibrator_.shape, step, size_);
         const double cost = cost_of_trial(shape, end.scale, false);
         if (!(cost <= end.cost + 1e-9 * (1.0 + end.cost)) || !(shape.lens.fx_px > 0.0) ||
             !(shape.lens.fy_px > 0.0)) {
@@ -251,6 +244,7 @@ private:
 
     opms_calibrator &calibrator_;
     const SolvePlan &plan_;
+    const int size_; // of the shared unknowns
     const double cockle_scale_m_;
 };
 
@@ -258,8 +252,7 @@ private:
 
 SolveEnd solve_jointly(opms_calibrator &calibrator, const SolvePlan &plan)
 {
-    return plan.with_cockle ? Solver<SHARED>(calibrator, plan).run()
-                            : Solver<LENS>(calibrator, plan).run();
+    return Solver(calibrator, plan).run();
 }
 
 double residual_scale(const opms_calibrator &calibrator, uint32_t stride)

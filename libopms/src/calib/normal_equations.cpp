@@ -140,21 +140,19 @@ void pose_rows(const View &view, const Seen &seen, const double jac[2][3],
     }
 }
 
+/* The same sums with their sizes known, for the loop over the points. */
 template <int S>
-void clear(PictureEquations<S> &equations)
-{
-    equations.shared.setZero();
-    equations.coupling.setZero();
-    equations.pose.setZero();
-    equations.shared_gradient.setZero();
-    equations.pose_gradient.setZero();
-    equations.cost = 0.0;
-    equations.in_front = true;
-}
+struct Sums {
+    Eigen::Matrix<double, S, S> shared = Eigen::Matrix<double, S, S>::Zero();
+    Eigen::Matrix<double, 6, S> coupling = Eigen::Matrix<double, 6, S>::Zero();
+    Mat6 pose = Mat6::Zero();
+    Eigen::Matrix<double, S, 1> shared_gradient = Eigen::Matrix<double, S, 1>::Zero();
+    Vec6 pose_gradient = Vec6::Zero();
+};
 
 template <int S>
 void add_point(const View &view, const opms_calib_point_t &point, const Seen &seen, double weight,
-               PictureEquations<S> &equations)
+               Sums<S> &sums)
 {
     double jac[2][3];
     camera_gradient(view, seen, jac);
@@ -164,12 +162,36 @@ void add_point(const View &view, const opms_calib_point_t &point, const Seen &se
     pose_rows(view, seen, jac, pose);
     const double information = weight / (point.sigma_px * point.sigma_px);
     const Eigen::Vector2d pull(information * seen.residual[0], information * seen.residual[1]);
-    const Eigen::Matrix<double, 2, S> weighted = information * shared;
-    equations.shared.noalias() += weighted.transpose() * shared;
-    equations.coupling.noalias() += weighted.transpose() * pose;
-    equations.pose.noalias() += (information * pose).transpose() * pose;
-    equations.shared_gradient.noalias() -= shared.transpose() * pull;
-    equations.pose_gradient.noalias() -= pose.transpose() * pull;
+    const Eigen::Matrix<double, 2, 6> weighted = information * pose;
+    sums.shared.noalias() += (information * shared).transpose().lazyProduct(shared);
+    sums.coupling.noalias() += weighted.transpose().lazyProduct(shared);
+    sums.pose.noalias() += weighted.transpose().lazyProduct(pose);
+    sums.shared_gradient.noalias() -= shared.transpose() * pull;
+    sums.pose_gradient.noalias() -= pose.transpose() * pull;
+}
+
+template <int S>
+void sum_points(const Picture &picture, const View &view, double scale, uint32_t stride,
+                Weights weights, PictureEquations &equations)
+{
+    Sums<S> sums;
+    for (uint32_t i = 0; i < picture.count; i += stride) {
+        const opms_calib_point_t &point = picture.points[i];
+        const Seen seen = view.look(point);
+        const Pull pull = tukey(squared_sigmas(seen, point.sigma_px), scale);
+        equations.in_front = equations.in_front && seen.in_front;
+        equations.cost += pull.cost;
+        const double weight =
+            weights == Weights::Robust ? pull.weight : (pull.weight >= INLIER_WEIGHT ? 1.0 : 0.0);
+        if (weight > 0.0) {
+            add_point<S>(view, point, seen, weight, sums);
+        }
+    }
+    Eigen::Map<Eigen::Matrix<double, S, S>>(equations.shared) = sums.shared;
+    Eigen::Map<Eigen::Matrix<double, 6, S>>(equations.coupling) = sums.coupling;
+    Eigen::Map<Eigen::Matrix<double, S, 1>>(equations.shared_gradient) = sums.shared_gradient;
+    equations.pose = sums.pose;
+    equations.pose_gradient = sums.pose_gradient;
 }
 
 } // namespace
@@ -187,24 +209,17 @@ double target_height(const Shape &shape, double cockle_scale_m, double X, double
     return height;
 }
 
-template <int S>
 void sum_equations(const Picture &picture, const Shape &shape, const Rigid &pose, double scale,
                    double cockle_scale_m, uint32_t stride, Weights weights,
-                   PictureEquations<S> &equations)
+                   PictureEquations &equations)
 {
     const View view(shape, pose, cockle_scale_m);
-    clear(equations);
-    for (uint32_t i = 0; i < picture.count; i += stride) {
-        const opms_calib_point_t &point = picture.points[i];
-        const Seen seen = view.look(point);
-        const Pull pull = tukey(squared_sigmas(seen, point.sigma_px), scale);
-        equations.in_front = equations.in_front && seen.in_front;
-        equations.cost += pull.cost;
-        const double weight =
-            weights == Weights::Robust ? pull.weight : (pull.weight >= INLIER_WEIGHT ? 1.0 : 0.0);
-        if (weight > 0.0) {
-            add_point<S>(view, point, seen, weight, equations);
-        }
+    equations.cost = 0.0;
+    equations.in_front = true;
+    if (equations.size == LENS) {
+        sum_points<LENS>(picture, view, scale, stride, weights, equations);
+    } else {
+        sum_points<SHARED>(picture, view, scale, stride, weights, equations);
     }
     equations.in_front = equations.in_front && std::isfinite(equations.cost);
 }
@@ -248,10 +263,5 @@ uint32_t residual_lengths(const Picture &picture, const Shape &shape, double coc
     }
     return n;
 }
-
-template void sum_equations<LENS>(const Picture &, const Shape &, const Rigid &, double, double,
-                                  uint32_t, Weights, PictureEquations<LENS> &);
-template void sum_equations<SHARED>(const Picture &, const Shape &, const Rigid &, double, double,
-                                    uint32_t, Weights, PictureEquations<SHARED> &);
 
 } // namespace opms::calib

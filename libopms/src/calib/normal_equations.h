@@ -12,16 +12,18 @@ namespace opms::calib
 
 constexpr double TUKEY = 6.0; // of sigma: 98 % efficient for points, which have two coordinates
 
-/** Equations of one picture with S shared unknowns: those of the lens first. */
-template <int S>
+/** Equations of one picture with `size` shared unknowns: LENS, those of the lens, or SHARED, the
+ * cockle's after them. Matrices are symmetric or column-major and packed: element (i, j) of
+ * `shared` is at i * size + j, (pose i, shared j) of `coupling` at j * 6 + i. */
 struct PictureEquations {
-    Eigen::Matrix<double, S, S> shared;  // upper triangle
-    Eigen::Matrix<double, S, 6> coupling;
-    Mat6 pose;                           // upper triangle
-    Eigen::Matrix<double, S, 1> shared_gradient;
+    int size;
+    double shared[SHARED * SHARED];
+    double coupling[6 * SHARED];
+    Mat6 pose;
+    double shared_gradient[SHARED];
     Vec6 pose_gradient;
-    double cost;    // robust, in units of sigma^2
-    bool in_front;  // every point is before the camera and finite
+    double cost;   // robust, in units of sigma^2
+    bool in_front; // every point is before the camera and finite
 };
 
 /** How the points count. */
@@ -37,11 +39,11 @@ constexpr double INLIER_VARIANCE = 0.999;
 /** Sum up the equations of a picture's points, each `stride`-th of them.
  *
  * @param scale     standard deviation of the residuals in units of the stated sigmas
- * @param cockle_scale_m  of the cockle's terms; not looked at for S = LENS */
-template <int S>
+ * @param cockle_scale_m  of the cockle's terms; not looked at for size LENS
+ * @param equations  its size says for how many shared unknowns */
 void sum_equations(const Picture &picture, const Shape &shape, const Rigid &pose, double scale,
                    double cockle_scale_m, uint32_t stride, Weights weights,
-                   PictureEquations<S> &equations);
+                   PictureEquations &equations);
 
 /** Robust cost alone. */
 double picture_cost(const Picture &picture, const Shape &shape, const Rigid &pose, double scale,

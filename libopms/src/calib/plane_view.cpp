@@ -5,9 +5,9 @@
 // constraint.
 #include "calib/plane_view.h"
 
-#include <Eigen/Cholesky>
-
 #include <algorithm>
+
+#include "algebra/spd.h"
 
 namespace opms::calib
 {
@@ -16,7 +16,6 @@ namespace
 {
 
 using Mat9 = Eigen::Matrix<double, 9, 9>;
-using Vec8 = Eigen::Matrix<double, 8, 1>;
 using Eigen::Vector2d;
 
 constexpr int PASSES = 6;
@@ -73,22 +72,14 @@ bool solve_equations(Mat9 &sum, Mat3 &homography)
 {
     sum.block<3, 3>(6, 0) = sum.block<3, 3>(0, 6);
     sum.block<3, 3>(6, 3) = sum.block<3, 3>(3, 6);
-    const Mat8 matrix = sum.topLeftCorner<8, 8>();
-    const Vec8 diagonal = matrix.diagonal();
-    if (!(diagonal.minCoeff() > 0.0)) {
-        return false;
-    }
-    const Vec8 units = diagonal.cwiseSqrt().cwiseInverse();
-    const Mat8 scaled = units.asDiagonal() * matrix * units.asDiagonal();
-    const Eigen::LDLT<Mat8> factor(scaled);
-    if (factor.info() != Eigen::Success || !(factor.vectorD().minCoeff() > DEGENERATE)) {
+    Mat8 matrix = sum.topLeftCorner<8, 8>();
+    Eigen::Matrix<double, 9, 1> entries;
+    entries << -sum.topRightCorner<8, 1>(), 1.0;
+    if (!spd_solve_scaled(matrix.data(), 8, 0.0, DEGENERATE, entries.data())) {
         return false; // points in one line, or too few
     }
-    const Vec8 right = units.cwiseProduct(sum.topRightCorner<8, 1>());
-    Eigen::Matrix<double, 9, 1> entries;
-    entries << -units.cwiseProduct(factor.solve(right)), 1.0;
     homography = Eigen::Map<const algebra::RowMajor<3, 3>>(entries.data());
-    return entries.allFinite();
+    return true;
 }
 
 double distance(const Mat3 &homography, const Pair &pair)

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "calib/pose_alone.h"
 
-#include <Eigen/Cholesky>
-
 #include <algorithm>
 
+#include "algebra/spd.h"
 #include "calib/normal_equations.h"
 
 namespace opms::calib
@@ -28,15 +27,15 @@ double scale_of(const opms_calibrator &calibrator, const Picture &picture)
     return std::max(1.0, lengths[n / 2]);
 }
 
-bool step_of(const PictureEquations<LENS> &equations, double damping, Vec6 &step)
+bool step_of(const PictureEquations &equations, double damping, Vec6 &step)
 {
-    Mat6 matrix = equations.pose;
-    matrix.diagonal() *= 1.0 + damping;
-    const Eigen::LLT<Mat6> factor(matrix);
-    if (factor.info() != Eigen::Success) {
+    Mat6 factor = equations.pose;
+    factor.diagonal() *= 1.0 + damping;
+    if (!spd_factor(factor.data(), 6, SPD_PIVOT_LEAST)) {
         return false;
     }
-    step = -factor.solve(equations.pose_gradient);
+    step = -equations.pose_gradient;
+    spd_solve(factor.data(), 6, step.data());
     return step.allFinite();
 }
 
@@ -47,14 +46,16 @@ void solve_pose_alone(const opms_calibrator &calibrator, Picture &picture)
     double damping = 1e-4;
     for (int i = 0; i < ITERATIONS && damping < DAMPING_MAX; ++i) {
         const double scale = scale_of(calibrator, picture);
-        PictureEquations<LENS> equations;
-        sum_equations<LENS>(picture, calibrator.shape, picture.pose, scale,
-                            calibrator.cockle_scale_m, 1, Weights::Robust, equations);
+        PictureEquations equations;
+        equations.size = LENS;
+        sum_equations(picture, calibrator.shape, picture.pose, scale, calibrator.cockle_scale_m, 1,
+                      Weights::Robust, equations);
         Vec6 step;
         if (!equations.in_front || !step_of(equations, damping, step)) {
             return; // as good as the start; the joint solution says whether that fits
         }
-        const Rigid trial = algebra::swung(picture.pose, step.head<3>(), step.tail<3>(),
+        const Rigid trial = algebra::swung(picture.pose, step.head<3>(),
+                                           picture.pose.R.transpose() * step.tail<3>(),
                                            picture.middle);
         const double cost = picture_cost(picture, calibrator.shape, trial, scale,
                                          calibrator.cockle_scale_m, 1);

@@ -4,16 +4,18 @@
  *   grey = c0 + c1 x + c2 s - A (T(x) - T'(x) (off + turn s))
  *
  * x px across and s px along the line, T a line of the given width under Gaussian blur and the
- * pixel's own size. Whole rows
- * are read where the line is steep, else whole columns: no pixel is interpolated. White that
- * changes across or along the line is part of the model, so uneven light does not pull the line.
- * What the bending of the line does to `off` comes from a second right-hand side. */
+ * pixel's own size. Whole rows are read where the line is steep, else whole columns: no pixel is
+ * interpolated. White that changes across or along the line is part of the model, so uneven light
+ * does not pull the line. What the bending of the line does to `off` comes from a second right-hand
+ * side. */
 #include "grid/line_fit.h"
 
 #include <string.h>
 
+#include "algebra/spd.h"
 
 #define N 6
+#define PIVOT_LEAST 1e-7
 #define ROWS_LEAST 2 /* in all */
 
 /* Products of (1, x, T, T') of one row of pixels, four pixels side by side. */
@@ -27,7 +29,8 @@ typedef struct row_sums {
 
 /* Sums of all rows, with powers of s. */
 typedef struct sums {
-    double matrix[N][N], right[N], bend[N], yy;
+    double matrix[N * N]; /* lower triangle */
+    double right[N], bend[N], yy;
     int pixels, rows;
 } sums_t;
 
@@ -72,8 +75,8 @@ static void add_row(sums_t *sums, const row_sums_t *row, float s)
     for (int a = 0; a < N; ++a) {
         sums->right[a] += power[a] * total[at[base[a]][4]];
         sums->bend[a] += power[a] * 0.5 * (double)(s * s) * total[at[base[a]][3]];
-        for (int b = a; b < N; ++b) {
-            sums->matrix[a][b] += power[a] * power[b] * total[at[base[a]][base[b]]];
+        for (int b = 0; b <= a; ++b) {
+            sums->matrix[a * N + b] += power[a] * power[b] * total[at[base[a]][base[b]]];
         }
     }
     sums->yy += total[14];
@@ -146,55 +149,18 @@ static void sum_arm(const raster_t *raster, const line_stretch_t *stretch, vec2_
     }
 }
 
-/* In-place Cholesky of the upper triangle; then both right sides and one column of the inverse. */
-static int factor(double m[N][N])
-{
-    for (int i = 0; i < N; ++i) {
-        const double diagonal = m[i][i];
-        for (int k = 0; k < i; ++k) {
-            m[i][i] -= m[k][i] * m[k][i];
-        }
-        if (!(m[i][i] > 1e-7 * diagonal)) {
-            return 0;
-        }
-        m[i][i] = sqrt(m[i][i]);
-        for (int j = i + 1; j < N; ++j) {
-            for (int k = 0; k < i; ++k) {
-                m[i][j] -= m[k][i] * m[k][j];
-            }
-            m[i][j] /= m[i][i];
-        }
-    }
-    return 1;
-}
-
-static void solve(double m[N][N], double x[N])
-{
-    for (int i = 0; i < N; ++i) {
-        for (int k = 0; k < i; ++k) {
-            x[i] -= m[k][i] * x[k];
-        }
-        x[i] /= m[i][i];
-    }
-    for (int i = N - 1; i >= 0; --i) {
-        for (int k = i + 1; k < N; ++k) {
-            x[i] -= m[i][k] * x[k];
-        }
-        x[i] /= m[i][i];
-    }
-}
-
 static int solve_sums(const line_stretch_t *stretch, sums_t *sums, line_fit_t *fit)
 {
     double unit[N] = {0, 0, 0, 1, 0, 0}, x[N];
-    sums->matrix[5][5] += stretch->turn_weight;
+    sums->matrix[5 * N + 5] += stretch->turn_weight;
     memcpy(x, sums->right, sizeof x);
-    if (sums->rows < ROWS_LEAST || sums->pixels < 3 * N || !factor(sums->matrix)) {
+    if (sums->rows < ROWS_LEAST || sums->pixels < 3 * N ||
+        !spd_factor(sums->matrix, N, PIVOT_LEAST)) {
         return 0;
     }
-    solve(sums->matrix, x);
-    solve(sums->matrix, sums->bend);
-    solve(sums->matrix, unit);
+    spd_solve(sums->matrix, N, x);
+    spd_solve(sums->matrix, N, sums->bend);
+    spd_solve(sums->matrix, N, unit);
     double rest = sums->yy;
     for (int i = 0; i < N; ++i) {
         rest -= x[i] * sums->right[i];

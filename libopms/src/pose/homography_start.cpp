@@ -15,6 +15,7 @@
 
 #include <algorithm>
 
+#include "algebra/spd.h"
 #include "pose/refine.h"
 
 namespace opms::pose
@@ -141,19 +142,8 @@ bool solve(const Moments &moments, double slope, Vec9 &h)
     right[8] = moments.shift[8];
     matrix(6, 6) += 1.0 / (slope * slope);
     matrix(7, 7) += 1.0 / (slope * slope);
-    const Vec9 diagonal = matrix.diagonal();
-    if (!(diagonal.minCoeff() > 0.0)) {
-        return false;
-    }
-    const Vec9 unit = diagonal.cwiseSqrt().cwiseInverse();
-    Mat9 scaled = unit.asDiagonal() * matrix * unit.asDiagonal();
-    scaled.diagonal().array() += 1e-13;
-    const Eigen::LLT<Mat9> factor(scaled);
-    if (factor.info() != Eigen::Success) {
-        return false;
-    }
-    h = -(unit.asDiagonal() * factor.solve(unit.asDiagonal() * right));
-    return h.allFinite();
+    h = -right;
+    return spd_solve_scaled(matrix.data(), 9, 1e-13, SPD_PIVOT_LEAST, h.data()) != 0;
 }
 
 double depth_at(const Vec9 &h, const Row &row)

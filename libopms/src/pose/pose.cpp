@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cstring>
 
+#include "algebra/spd.h"
 #include "base/fail.h"
 #include "pose/covariance.h"
 #include "pose/planar.h"
@@ -137,15 +138,17 @@ double excess(const EdgeSet &set, uint32_t n, const Fit &best, const Fit &other)
     return at_other.cost - at_best.cost;
 }
 
-/* Squared distance of two placements in sigmas of the covariance. */
+/* Squared distance of two placements in sigmas of the covariance; without one they are far apart.
+ */
 double distance2(const Placement &from, const Placement &to, const Mat6 &covariance)
 {
-    Eigen::Matrix<double, 6, 1> step;
+    Eigen::Matrix<double, 6, 1> step, solved;
     step << rotation_log(from.R.transpose() * to.R), to.t - from.t;
-    const Eigen::Matrix<double, 6, 1> unit = covariance.diagonal().cwiseSqrt().cwiseInverse();
-    const Eigen::Matrix<double, 6, 1> scaled = unit.cwiseProduct(step);
-    const Mat6 correlation = unit.asDiagonal() * covariance * unit.asDiagonal();
-    return scaled.dot(correlation.ldlt().solve(scaled));
+    Mat6 matrix = covariance;
+    solved = step;
+    return spd_solve_scaled(matrix.data(), 6, 0.0, SPD_PIVOT_LEAST, solved.data())
+        ? step.dot(solved)
+        : HUGE_VAL;
 }
 
 struct Solution {

@@ -6,8 +6,6 @@
 
 #include "algebra/rotation.h"
 
-#include <Eigen/Cholesky>
-
 namespace opms::pose
 {
 

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "algebra/spd.h"
 #include "pose/edge_pair.h"
 
 namespace opms::pose
@@ -20,33 +21,16 @@ constexpr double DAMPING_MAX = 1e6;
 /* Solves the damped equations; false where they are singular. */
 bool solve_step(const Normal &normal, double damping, Vec7 &step)
 {
-    const Vec7 diagonal = normal.matrix.diagonal();
-    if (!(diagonal.minCoeff() > 0.0)) {
-        return false;
-    }
-    const Vec7 units = diagonal.cwiseSqrt().cwiseInverse();
-    Mat7 scaled = units.asDiagonal() * normal.matrix * units.asDiagonal();
-    scaled.diagonal().array() += damping + 1e-14;
-    const Eigen::LLT<Mat7> factor(scaled);
-    if (factor.info() != Eigen::Success) {
-        return false;
-    }
-    step = -(units.asDiagonal() * factor.solve(units.asDiagonal() * normal.gradient));
-    return step.allFinite();
+    Mat7 matrix = normal.matrix;
+    step = -normal.gradient;
+    return spd_solve_scaled(matrix.data(), 7, damping + 1e-14, SPD_PIVOT_LEAST, step.data()) != 0;
 }
 
-/* The bar point `pivot` moves linearly in the camera frame, so that a large rotation swings the
- * camera around the bar as it should, instead of flying off along the tangent. */
 Placement moved(const Placement &from, const Vec7 &step, const Vec3 &pivot)
 {
-    const Vec3 w = step.head<3>();
-    const Vec3 seen = from.R.transpose() * (pivot - from.t);
-    const Vec3 seen_then = seen + seen.cross(w) - step.segment<3>(3);
-    Placement to;
-    to.R = orthonormal(from.R * rotation_exp(w));
-    to.t = pivot - to.R * seen_then;
-    to.shift_px = from.shift_px + step[6];
-    return to;
+    const algebra::Rigid to =
+        algebra::swung({from.R, from.t}, step.head<3>(), step.segment<3>(3), pivot);
+    return {to.R, to.t, from.shift_px + step[6]};
 }
 
 Vec3 middle_of(const EdgeSet &set, uint32_t n)
@@ -152,19 +136,9 @@ void normal_equations(const EdgeSet &set, uint32_t n, const Placement &placement
 
 bool invert_information(const Mat7 &matrix, Mat7 &inverse)
 {
-    const Vec7 diagonal = matrix.diagonal();
-    if (!(diagonal.minCoeff() > 0.0)) {
-        return false;
-    }
-    const Vec7 units = diagonal.cwiseSqrt().cwiseInverse();
-    const Eigen::LDLT<Mat7> factor(units.asDiagonal() * matrix * units.asDiagonal());
     // The pivots of a correlation matrix are the parts of each unknown that the others leave open.
-    if (factor.info() != Eigen::Success || !(factor.vectorD().minCoeff() > 1e-11)) {
-        return false;
-    }
-    inverse = units.asDiagonal() * factor.solve(Mat7::Identity()) * units.asDiagonal();
-    inverse = (0.5 * (inverse + inverse.transpose())).eval();
-    return inverse.allFinite();
+    inverse = matrix;
+    return spd_invert(inverse.data(), 7, 1e-11) != 0;
 }
 
 void refine(const EdgeSet &set, uint32_t n, const RefinePlan &plan, Fit &fit)
