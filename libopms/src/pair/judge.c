@@ -15,6 +15,11 @@ pair_timing_t pair_judge_delay(const opms_pairer_t *pairer, int64_t delay_ns)
     return pair_floor_judge(&pairer->floor, delay_ns, pairer->min_gap_ns);
 }
 
+int pair_is_too_late(const opms_pairer_t *pairer, int64_t delay_ns)
+{
+    return delay_ns > pairer->max_wait_ns + pair_slack_ns(pairer->min_gap_ns);
+}
+
 /** Put the arrival of the frame of this trigger into the evidence. */
 static pair_timing_t judge_arrival(const opms_pairer_t *pairer, pair_frame_t *frame,
                                    const pair_trigger_t *trigger)
@@ -43,10 +48,10 @@ static void judge_strobe(pair_frame_t *frame, const pair_trigger_t *trigger)
     }
 }
 
-static int is_too_late(const opms_pairer_t *pairer, const pair_frame_t *frame)
+static int came_too_late(const opms_pairer_t *pairer, const pair_frame_t *frame)
 {
     return (frame->evidence.known & OPMS_PAIR_HAS_ARRIVAL_DELAY) &&
-           frame->evidence.arrival_delay_ns > pairer->max_wait_ns;
+           pair_is_too_late(pairer, frame->evidence.arrival_delay_ns);
 }
 
 /** A frame whose trigger is settled already, or that came after the longest wait. */
@@ -61,7 +66,7 @@ static pair_verdict_t judge_settled(const opms_pairer_t *pairer, const pair_fram
         return trigger->frame_camera_ns == frame->camera_ns ? PAIR_VERDICT_DUPLICATE
                                                             : PAIR_VERDICT_CONTRADICTS;
     }
-    return trigger->state != OPMS_TRIGGER_NONE || is_too_late(pairer, frame)
+    return trigger->state != OPMS_TRIGGER_NONE || came_too_late(pairer, frame)
                ? PAIR_VERDICT_STALE
                : PAIR_VERDICT_PAIR;
 }

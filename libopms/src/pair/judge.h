@@ -25,4 +25,7 @@ pair_verdict_t pair_judge(const opms_pairer_t *pairer, pair_frame_t *frame, int 
 /** When this trigger's frame arrived, against what was learnt. */
 pair_timing_t pair_judge_delay(const opms_pairer_t *pairer, int64_t delay_ns);
 
+/** Did it arrive later than the longest wait, and that by more than the clocks are known to? */
+int pair_is_too_late(const opms_pairer_t *pairer, int64_t delay_ns);
+
 #endif

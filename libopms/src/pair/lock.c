@@ -72,8 +72,8 @@ static void take_lock(opms_pairer_t *pairer, const pair_candidate_t *found, int 
         take_offset(pairer, found);
         lock->first_id = found->first->id + (by_pattern ? 0 : 1);
         if (by_arrival && !by_pattern) {
-            bar_before(pairer, pairer->options.camera.has_strobe ? found->first->slot + 1
-                                                                 : pairer->frames.head);
+            const int by_strobe = pairer->options.camera.has_strobe && !found->without_strobe;
+            bar_before(pairer, by_strobe ? found->first->slot + 1 : pairer->frames.head);
         }
     }
     if (found->has_floor && !pairer->floor.known) {
@@ -87,14 +87,27 @@ static void take_lock(opms_pairer_t *pairer, const pair_candidate_t *found, int 
     pair_settle_again(pairer);
 }
 
+/** By arrivals, with as little taken for granted as will do. */
+static int seek_by_any_arrival(const opms_pairer_t *pairer, pair_candidate_t *found)
+{
+    const uint32_t all = pairer->options.camera.has_strobe
+                             ? (uint32_t)PAIR_SEEK_COPIES | PAIR_SEEK_NO_STROBE
+                             : (uint32_t)PAIR_SEEK_COPIES;
+    for (uint32_t ways = 0; ways <= all; ++ways) {
+        if (pair_seek_by_arrival(pairer, ways, found)) {
+            return 1;
+        }
+    }
+    return 0;
+}
+
 void pair_seek_lock(opms_pairer_t *pairer)
 {
     if (pairer->state != OPMS_PAIR_SEARCHING && pairer->state != OPMS_PAIR_SUSPECT) {
         return;
     }
     pair_candidate_t found = {0};
-    if (pair_seek_by_camera(pairer, &found) || pair_seek_by_arrival(pairer, 0, &found) ||
-        pair_seek_by_arrival(pairer, 1, &found)) {
+    if (pair_seek_by_camera(pairer, &found) || seek_by_any_arrival(pairer, &found)) {
         take_lock(pairer, &found, 0);
     } else if (!pairer->lock.ever && pair_seek_by_pattern(pairer, &found)) {
         take_lock(pairer, &found, 1);

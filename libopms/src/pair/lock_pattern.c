@@ -53,7 +53,7 @@ static int64_t measure(const window_t *window, const pair_seen_t *seen)
 /** Could the frame have been exposed then? */
 static int is_in_time(const opms_pairer_t *pairer, int64_t delay_ns)
 {
-    return delay_ns >= -pair_slack_ns(pairer->min_gap_ns) && delay_ns <= pairer->max_wait_ns;
+    return delay_ns >= -pair_slack_ns(pairer->min_gap_ns) && !pair_is_too_late(pairer, delay_ns);
 }
 
 /** The constant that the frames share: of camera stamps the newest's, of arrivals the least. */

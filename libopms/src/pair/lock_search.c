@@ -52,7 +52,7 @@ int pair_seek_by_camera(const opms_pairer_t *pairer, pair_candidate_t *found)
         }
         const int64_t delay_ns = seen->arrival_box_ns - trigger->box_ns;
         const pair_timing_t timing = pair_judge_delay(pairer, delay_ns);
-        if (timing == PAIR_EARLY || delay_ns > pairer->max_wait_ns ||
+        if (timing == PAIR_EARLY || pair_is_too_late(pairer, delay_ns) ||
             (count > 0 && seen->id - number != found->offset)) {
             return 0;
         }
@@ -105,11 +105,12 @@ static int fits_offset(const opms_pairer_t *pairer, const pair_candidate_t *foun
     if (!trigger) { /* not reported: it says nothing */
         return pair_ring_at(ring, number) != NULL;
     }
-    *timing = pair_judge_delay(pairer, seen->arrival_box_ns - trigger->box_ns);
-    if (*timing == PAIR_EARLY || seen->arrival_box_ns - trigger->box_ns > pairer->max_wait_ns) {
+    const int64_t delay_ns = seen->arrival_box_ns - trigger->box_ns;
+    *timing = pair_judge_delay(pairer, delay_ns);
+    if (*timing == PAIR_EARLY || pair_is_too_late(pairer, delay_ns)) {
         return 0;
     }
-    if (trigger->strobe == PAIR_STROBE_ABSENT) {
+    if (trigger->strobe == PAIR_STROBE_ABSENT && !found->without_strobe) {
         return 0; /* nothing was exposed then */
     }
     return !seen->has_camera || !found->newest->has_camera ||
@@ -119,19 +120,26 @@ static int fits_offset(const opms_pairer_t *pairer, const pair_candidate_t *foun
 static int is_enough(const opms_pairer_t *pairer, const pair_candidate_t *found,
                      const tally_t *tally)
 {
+    /* That the strobe speaks against them is one fault; late frames would be a second one. */
+    if (found->without_strobe && tally->on_time < tally->fits) {
+        return 0;
+    }
     if (found->newest->has_camera) {
         return tally->fits >= RESTART_FRAMES && tally->on_time >= RESTART_ON_TIME;
     }
-    const int returns = pairer->lock.ever && found->offset == pairer->lock.offset;
+    const int returns = pairer->lock.ever && found->offset == pairer->lock.offset &&
+                        !found->without_strobe;
     return tally->odd == 0 &&
            ((tally->fits >= ARRIVAL_FRAMES && tally->on_time >= ARRIVAL_ON_TIME) ||
             (returns && tally->fits >= RETURN_FRAMES && tally->on_time == tally->fits));
 }
 
-int pair_seek_by_arrival(const opms_pairer_t *pairer, int with_copies, pair_candidate_t *found)
+int pair_seek_by_arrival(const opms_pairer_t *pairer, uint32_t ways, pair_candidate_t *found)
 {
+    const int with_copies = (ways & PAIR_SEEK_COPIES) != 0;
     tally_t tally = {0, 0, 0};
-    *found = (pair_candidate_t){.witnesses = OPMS_WITNESS_FRAME_ID | OPMS_WITNESS_ARRIVAL};
+    *found = (pair_candidate_t){.witnesses = OPMS_WITNESS_FRAME_ID | OPMS_WITNESS_ARRIVAL,
+                                .without_strobe = (ways & PAIR_SEEK_NO_STROBE) != 0};
     for (uint32_t i = 0; pairer->floor.known && i < recent_frames(pairer); ++i) {
         const pair_seen_t *seen = pair_recent(pairer, i);
         if (i == 0 && seen->seen_before && !with_copies) {

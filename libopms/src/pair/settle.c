@@ -167,7 +167,7 @@ static int may_own(const opms_pairer_t *pairer, const pair_frame_t *frame, int64
         return frame->evidence.number == number;
     }
     const int64_t delay_ns = frame->arrival_box_ns - trigger->box_ns;
-    return !frame->has_arrival || (delay_ns >= 0 && delay_ns <= pairer->max_wait_ns);
+    return !frame->has_arrival || (delay_ns >= 0 && !pair_is_too_late(pairer, delay_ns));
 }
 
 static opms_trigger_state_t end_of_trigger(const opms_pairer_t *pairer, int64_t number)

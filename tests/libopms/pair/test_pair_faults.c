@@ -269,6 +269,35 @@ static void a_frame_that_comes_after_the_longest_wait_is_stale(void)
     TEST_ASSERT_NOT_EQUAL(OPMS_TRIGGER_PAIRED, scene_of_trigger(&scene, 41)->trigger_state);
 }
 
+/** The frame of trigger 41 comes this long after it; what becomes of the two? */
+static void come_after(pair_kind_t kind, int64_t delay_ns, opms_frame_state_t frame_state,
+                       opms_trigger_state_t trigger_state)
+{
+    scene_start(&scene, kind);
+    scene_steps(&scene, 1, 40);
+    report_only(41);
+    scene_steps(&scene, 42, 100);
+    opms_frame_t late = scene_frame(&scene, 41);
+    late.arrival_host_ns = scene_trigger_ns(&scene, 41) + HOST_LESS_BOX_NS + delay_ns;
+    scene_push_frame(&scene, &late);
+    scene_steps(&scene, 101, 200);
+    scene_close(&scene);
+    scene_assert_no_wrong_pair(&scene);
+    TEST_ASSERT_EQUAL(frame_state, scene_of_frame(&scene, 41)->frame_state);
+    TEST_ASSERT_EQUAL(trigger_state, scene_of_trigger(&scene, 41)->trigger_state);
+    scene_end(&scene);
+}
+
+/** The clocks are known to a millisecond, so the end of the wait is, too. */
+static void a_trigger_is_not_missing_whose_frame_comes_right_at_the_end_of_the_wait(void)
+{
+    come_after(STROBE_ONLY, 6001 * MS, OPMS_FRAME_UNCERTAIN, OPMS_TRIGGER_UNCERTAIN);
+    come_after(ARRIVAL_ONLY, 6001 * MS, OPMS_FRAME_UNCERTAIN, OPMS_TRIGGER_UNCERTAIN);
+    come_after(STAMP_ONLY, 6001 * MS, OPMS_FRAME_PAIRED, OPMS_TRIGGER_PAIRED);
+    come_after(STROBE_ONLY, 6003 * MS, OPMS_FRAME_STALE, OPMS_TRIGGER_MISSING);
+    come_after(STAMP_ONLY, 6003 * MS, OPMS_FRAME_STALE, OPMS_TRIGGER_MISSING);
+}
+
 static void nothing_is_paired_across_two_boots_of_the_box(void)
 {
     scene_start(&scene, STAMP_ONLY);
@@ -360,6 +389,7 @@ int main(void)
     RUN_TEST(a_late_frame_whose_id_jumped_is_not_taken_for_the_next_one);
     RUN_TEST(frames_of_a_stalled_host_are_paired_by_stamp_and_uncertain_by_arrival);
     RUN_TEST(a_frame_that_comes_after_the_longest_wait_is_stale);
+    RUN_TEST(a_trigger_is_not_missing_whose_frame_comes_right_at_the_end_of_the_wait);
     RUN_TEST(nothing_is_paired_across_two_boots_of_the_box);
     RUN_TEST(nothing_is_paired_across_two_sessions);
     RUN_TEST(reports_that_contradict_each_other_are_both_not_believed);

@@ -12,7 +12,6 @@ namespace {
 constexpr uint64_t TRIGGERS_PER_PAIRER = 50000;
 constexpr double LEAST_SHARE = 0.999;
 constexpr uint64_t WRONG_ALONE_PER = 1000000; ///< triggers: MISSING or ORPHAN, and yet it was not
-constexpr uint64_t SLOW_LOCKS_PER = 1000;     ///< losses of lock: more than 10 frames to a new one
 constexpr uint64_t NAIVE_WRONG_MIN = 1000;
 
 struct Options {
@@ -112,7 +111,7 @@ bool is_good(const Figures &f)
 {
     return f.wrong_pairs == 0 && f.broken_sums == 0 &&
            f.wrong_missing + f.wrong_orphans <= f.triggers / WRONG_ALONE_PER &&
-           f.slow_locks <= f.locks_lost / SLOW_LOCKS_PER && f.pairable * 2 > f.frames &&
+           f.slow_locks == 0 && f.pairable * 2 > f.frames &&
            double(f.pairable_paired) >= LEAST_SHARE * double(f.pairable);
 }
 
