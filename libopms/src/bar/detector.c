@@ -2,13 +2,14 @@
 #include <opms/bar.h>
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include <opms/lens.h>
 
 #include "bar/bar_search.h"
 #include "base/fail.h"
+#include "base/memory.h"
+#include "image/image_check.h"
 
 #define STAGE "bar"
 #define WORK_LEAST 4000000L
@@ -62,17 +63,12 @@ opms_status_t opms_bar_detector_create(const opms_lens_t *lens, const opms_bar_o
         return opms_fail(err, OPMS_ERR_ARG, STAGE, -1, "min_square_px is %d, allowed are 6 to 64",
                          (int)chosen.min_square_px);
     }
-    if (!chosen.allocator.alloc != !chosen.allocator.free) {
-        return opms_fail(err, OPMS_ERR_ARG, STAGE, -1, "allocator needs both alloc and free");
-    }
-    opms_bar_detector_t *fresh = chosen.allocator.alloc
-        ? chosen.allocator.alloc(chosen.allocator.user, sizeof *fresh)
-        : malloc(sizeof *fresh);
+    OPMS_TRY(opms_check_allocator(&chosen.allocator, STAGE, err));
+    opms_bar_detector_t *fresh = opms_take(&chosen.allocator, sizeof *fresh);
     if (!fresh) {
         return opms_fail(err, OPMS_ERR_MEMORY, STAGE, -1, "no memory for a detector (%zu bytes)",
                          sizeof *fresh);
     }
-    memset(fresh, 0, sizeof *fresh);
     fresh->lens = *lens;
     fresh->options = chosen;
     fresh->ray_limit = ray_limit_of(lens);
@@ -82,48 +78,9 @@ opms_status_t opms_bar_detector_create(const opms_lens_t *lens, const opms_bar_o
 
 void opms_bar_detector_destroy(opms_bar_detector_t *detector)
 {
-    if (!detector) {
-        return;
+    if (detector) {
+        opms_give_back(&detector->options.allocator, detector);
     }
-    const opms_allocator_t allocator = detector->options.allocator;
-    if (allocator.free) {
-        allocator.free(allocator.user, detector);
-    } else {
-        free(detector);
-    }
-}
-
-static opms_status_t check_image(const opms_bar_detector_t *d, const opms_image_t *image,
-                                 opms_error_t *err)
-{
-    if (!image || !image->pixels) {
-        return opms_fail(err, OPMS_ERR_ARG, STAGE, -1, "%s is NULL",
-                         image ? "image.pixels" : "image");
-    }
-    if (image->format != OPMS_PIXEL_GREY8 && image->format != OPMS_PIXEL_GREY16) {
-        return opms_fail(err, OPMS_ERR_ARG, STAGE, -1, "image.format %d is unknown",
-                         (int)image->format);
-    }
-    if (image->width_px != d->lens.width_px || image->height_px != d->lens.height_px) {
-        return opms_fail(err, OPMS_ERR_ARG, STAGE, -1,
-                         "image is %d x %d px, the lens is for %d x %d", (int)image->width_px,
-                         (int)image->height_px, (int)d->lens.width_px, (int)d->lens.height_px);
-    }
-    const ptrdiff_t size = image->format == OPMS_PIXEL_GREY16 ? 2 : 1;
-    if (image->stride_bytes < image->width_px * size || image->stride_bytes % size != 0) {
-        return opms_fail(err, OPMS_ERR_ARG, STAGE, -1,
-                         "image.stride_bytes is %td, a row of %d px needs %td (a multiple of %td)",
-                         image->stride_bytes, (int)image->width_px, image->width_px * size, size);
-    }
-    if (size == 2 && (uintptr_t)image->pixels % 2 != 0) {
-        return opms_fail(err, OPMS_ERR_ARG, STAGE, -1, "image.pixels is not aligned to 2 bytes");
-    }
-    if (image->format == OPMS_PIXEL_GREY8 && image->white_level > 255) {
-        return opms_fail(err, OPMS_ERR_ARG, STAGE, -1,
-                         "image.white_level is %u, a grey8 picture has up to 255",
-                         (unsigned)image->white_level);
-    }
-    return OPMS_OK;
 }
 
 static opms_status_t check_roi(const opms_image_t *image, const opms_roi_t *roi, opms_roi_t *whole,
@@ -186,7 +143,8 @@ opms_status_t opms_bar_detect(opms_bar_detector_t *detector, const opms_image_t 
         return opms_fail(err, OPMS_ERR_ARG, STAGE, -1, "%s is NULL",
                          detector ? "summary" : "detector");
     }
-    OPMS_TRY(check_image(detector, image, err));
+    OPMS_TRY(image_check(image, detector->lens.width_px, detector->lens.height_px, "lens", STAGE,
+                         err));
     opms_roi_t whole;
     OPMS_TRY(check_roi(image, roi, &whole, err));
     OPMS_TRY(check_hint(hint, err));

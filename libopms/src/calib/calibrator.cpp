@@ -3,11 +3,11 @@
 #include <opms/calib.h>
 
 #include <cmath>
-#include <cstdlib>
 #include <cstring>
 #include <new>
 
 #include "base/fail.h"
+#include "base/memory.h"
 #include "calib/calib_covariance.h"
 #include "calib/normal_equations.h"
 #include "calib/plane_view.h"
@@ -18,20 +18,6 @@ using namespace opms::calib;
 
 namespace
 {
-
-void *allocate(const opms_allocator_t &allocator, size_t size)
-{
-    return allocator.alloc ? allocator.alloc(allocator.user, size) : std::malloc(size);
-}
-
-void release(const opms_allocator_t &allocator, void *memory)
-{
-    if (allocator.alloc) {
-        allocator.free(allocator.user, memory);
-    } else {
-        std::free(memory);
-    }
-}
 
 opms_status_t check_options(const opms_calib_options_t &options, opms_error_t *err)
 {
@@ -57,10 +43,7 @@ opms_status_t check_options(const opms_calib_options_t &options, opms_error_t *e
         return opms_fail(err, OPMS_ERR_ARG, STAGE, -1, "cockle_sigma_m is %g, not 0 to 1 m",
                          options.cockle_sigma_m);
     }
-    if (!options.allocator.alloc != !options.allocator.free) {
-        return opms_fail(err, OPMS_ERR_ARG, STAGE, -1, "allocator has one function without other");
-    }
-    return OPMS_OK;
+    return opms_check_allocator(&options.allocator, STAGE, err);
 }
 
 /* One block: handle, pictures, then points, residuals and weights of each. Doubles throughout, so
@@ -179,7 +162,7 @@ opms_status_t opms_calibrator_create(const opms_calib_options_t *options,
     }
     OPMS_TRY(check_options(*options, err));
     const Layout layout(*options);
-    char *const memory = static_cast<char *>(allocate(options->allocator, layout.total));
+    char *const memory = static_cast<char *>(opms_take(&options->allocator, layout.total));
     if (!memory) {
         return opms_fail(err, OPMS_ERR_MEMORY, STAGE, -1, "no memory for %zu bytes",
                          layout.total);
@@ -194,8 +177,7 @@ opms_status_t opms_calibrator_create(const opms_calib_options_t *options,
 void opms_calibrator_destroy(opms_calibrator_t *calibrator)
 {
     if (calibrator) {
-        const opms_allocator_t allocator = calibrator->options.allocator;
-        release(allocator, calibrator);
+        opms_give_back(&calibrator->options.allocator, calibrator);
     }
 }
 

@@ -1,13 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The handle, and the order of the steps. */
-#include <stdlib.h>
 #include <string.h>
 
 #include "base/fail.h"
+#include "base/memory.h"
 #include "grid/grid_label.h"
 #include "grid/grid_seed.h"
 #include "grid/grid_spread.h"
 #include "grid/node_fit.h"
+#include "image/image_check.h"
 
 #define STAGE "grid"
 #define SEEDS_ACROSS 13    /* places of the picture where a cell is looked for, each way */
@@ -38,10 +39,7 @@ static opms_status_t check_options(const opms_grid_options_t *options, opms_erro
         return opms_fail(err, OPMS_ERR_ARG, STAGE, -1, "min_pitch_px is %g, allowed are 8 to 100",
                          options->min_pitch_px);
     }
-    if (!options->allocator.alloc != !options->allocator.free) {
-        return opms_fail(err, OPMS_ERR_ARG, STAGE, -1, "allocator needs both alloc and free");
-    }
-    return OPMS_OK;
+    return opms_check_allocator(&options->allocator, STAGE, err);
 }
 
 opms_status_t opms_grid_detector_create(const opms_grid_options_t *options,
@@ -52,14 +50,11 @@ opms_status_t opms_grid_detector_create(const opms_grid_options_t *options,
                          options ? "detector" : "options");
     }
     OPMS_TRY(check_options(options, err));
-    opms_grid_detector_t *fresh = options->allocator.alloc
-        ? options->allocator.alloc(options->allocator.user, sizeof *fresh)
-        : malloc(sizeof *fresh);
+    opms_grid_detector_t *fresh = opms_take(&options->allocator, sizeof *fresh);
     if (!fresh) {
         return opms_fail(err, OPMS_ERR_MEMORY, STAGE, -1, "no memory for a detector (%zu bytes)",
                          sizeof *fresh);
     }
-    memset(fresh, 0, sizeof *fresh);
     fresh->options = *options;
     *detector = fresh;
     return OPMS_OK;
@@ -67,44 +62,9 @@ opms_status_t opms_grid_detector_create(const opms_grid_options_t *options,
 
 void opms_grid_detector_destroy(opms_grid_detector_t *detector)
 {
-    if (!detector) {
-        return;
+    if (detector) {
+        opms_give_back(&detector->options.allocator, detector);
     }
-    const opms_allocator_t allocator = detector->options.allocator;
-    if (allocator.free) {
-        allocator.free(allocator.user, detector);
-    } else {
-        free(detector);
-    }
-}
-
-static opms_status_t check_image(const opms_grid_detector_t *d, const opms_image_t *image,
-                                 opms_error_t *err)
-{
-    if (!image || !image->pixels) {
-        return opms_fail(err, OPMS_ERR_ARG, STAGE, -1, "%s is NULL",
-                         image ? "image.pixels" : "image");
-    }
-    if (image->format != OPMS_PIXEL_GREY8 && image->format != OPMS_PIXEL_GREY16) {
-        return opms_fail(err, OPMS_ERR_ARG, STAGE, -1, "image.format %d is unknown",
-                         (int)image->format);
-    }
-    if (image->width_px != d->options.width_px || image->height_px != d->options.height_px) {
-        return opms_fail(err, OPMS_ERR_ARG, STAGE, -1,
-                         "image is %d x %d px, the detector is for %d x %d", (int)image->width_px,
-                         (int)image->height_px, (int)d->options.width_px,
-                         (int)d->options.height_px);
-    }
-    const ptrdiff_t size = image->format == OPMS_PIXEL_GREY16 ? 2 : 1;
-    if (image->stride_bytes < image->width_px * size || image->stride_bytes % size != 0) {
-        return opms_fail(err, OPMS_ERR_ARG, STAGE, -1,
-                         "image.stride_bytes is %td, a row of %d px needs %td (a multiple of %td)",
-                         image->stride_bytes, (int)image->width_px, image->width_px * size, size);
-    }
-    if (size == 2 && (uintptr_t)image->pixels % 2 != 0) {
-        return opms_fail(err, OPMS_ERR_ARG, STAGE, -1, "image.pixels is not aligned to 2 bytes");
-    }
-    return OPMS_OK;
 }
 
 /* The k-th place to look at: rings around the picture's middle, the nearest first. */
@@ -174,7 +134,8 @@ opms_status_t opms_grid_detect(opms_grid_detector_t *detector, const opms_image_
         return opms_fail(err, OPMS_ERR_ARG, STAGE, -1, "%s is NULL",
                          detector ? "summary" : "detector");
     }
-    OPMS_TRY(check_image(detector, image, err));
+    OPMS_TRY(image_check(image, detector->options.width_px, detector->options.height_px, "detector",
+                         STAGE, err));
     memset(summary, 0, sizeof *summary);
     detector->node_count = 0;
     detector->view = view_of(image);

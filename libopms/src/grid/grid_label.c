@@ -9,6 +9,8 @@
 
 #include <string.h>
 
+#include "grid/grid_sheet.h"
+
 #define MARKER_MIDDLE 0.24f  /* of the pitch: 6 mm */
 #define MARKER_SPREAD 0.05f  /* samples within it */
 #define DARK_LEAST 0.35f     /* of the white */
@@ -40,7 +42,7 @@ static float corner_grey(const view_t *view, const lattice_node_t *corner[4], in
     return 0.2f * sum;
 }
 
-/* Darkness of each corner of a cell against the brightest two of the others' mean. */
+/* Darkness of each corner of a cell against the mean of the three others. */
 static void darkness(const view_t *view, const lattice_node_t *corner[4], float dark[4])
 {
     float grey[4];
@@ -138,13 +140,6 @@ static void label_of(const lattice_label_t *label, int i, int j, int32_t out[2])
     const int x = i - label->origin[0], y = j - label->origin[1];
     out[0] = OPMS_GRID_CENTRE + label->turn[0] * x + label->turn[1] * y;
     out[1] = OPMS_GRID_CENTRE + label->turn[2] * x + label->turn[3] * y;
-}
-
-static int is_on_sheet(const int32_t label[2])
-{
-    const int x = label[0] - OPMS_GRID_CENTRE, y = label[1] - OPMS_GRID_CENTRE;
-    return x >= -(OPMS_GRID_NODES_X / 2) && x <= OPMS_GRID_NODES_X / 2 &&
-           y >= -(OPMS_GRID_NODES_Y / 2) && y <= OPMS_GRID_NODES_Y / 2;
 }
 
 /* By the second label, then by the first. */

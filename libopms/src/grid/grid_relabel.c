@@ -9,10 +9,9 @@
 #include <opms/grid.h>
 
 #include "base/fail.h"
+#include "grid/grid_sheet.h"
 
 #define STAGE "grid"
-#define HALF_X (OPMS_GRID_NODES_X / 2)
-#define HALF_Y (OPMS_GRID_NODES_Y / 2)
 #define COMMON_LEAST 16
 #define COMMON_PART 0.3  /* of the nodes that must be in both pictures */
 #define MOVED_MOST 0.3   /* of the pitch, by the right labels */
@@ -131,21 +130,13 @@ static void best_guess(const sheet_t *sheet, const opms_node_t *known, uint32_t 
     }
 }
 
-static int is_label(const opms_node_t *node)
-{
-    return node->label[0] >= OPMS_GRID_CENTRE - HALF_X &&
-           node->label[0] <= OPMS_GRID_CENTRE + HALF_X &&
-           node->label[1] >= OPMS_GRID_CENTRE - HALF_Y &&
-           node->label[1] <= OPMS_GRID_CENTRE + HALF_Y;
-}
-
 static int fits_the_sheet(const guess_t *guess, const opms_node_t *nodes, uint32_t count)
 {
     for (uint32_t i = 0; i < count; ++i) {
         int label[2];
         guessed_label(guess, nodes[i].label, label);
-        const opms_node_t there = {{label[0], label[1]}, {0.0, 0.0}, 0.0};
-        if (!is_label(&there)) {
+        const int32_t there[2] = {label[0], label[1]};
+        if (!is_on_sheet(there)) {
             return 0;
         }
     }
@@ -162,7 +153,7 @@ opms_status_t opms_grid_relabel(const opms_node_t *known, uint32_t known_count, 
     sheet_t sheet;
     memset(&sheet, 0, sizeof sheet);
     for (uint32_t i = 0; i < known_count; ++i) {
-        if (!is_label(&known[i])) {
+        if (!is_on_sheet(known[i].label)) {
             return opms_fail(err, OPMS_ERR_ARG, STAGE, (int32_t)i,
                              "known[%u]: label (%d, %d) is not on the sheet", (unsigned)i,
                              (int)known[i].label[0], (int)known[i].label[1]);

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include <opms/locate.h>
 
-#include <stdlib.h>
 #include <string.h>
 
 #include <opms/lens.h>
 
 #include "base/fail.h"
+#include "base/memory.h"
 
 #define STAGE "locate"
 
@@ -57,15 +57,12 @@ opms_status_t opms_locator_create(const opms_camera_t *camera,
     }
     opms_bar_detector_t *detector;
     OPMS_TRY(opms_bar_detector_create(&camera->lens, &chosen.bar, &detector, err));
-    const opms_allocator_t *allocator = &chosen.bar.allocator;
-    opms_locator_t *fresh = allocator->alloc ? allocator->alloc(allocator->user, sizeof *fresh)
-                                             : malloc(sizeof *fresh);
+    opms_locator_t *fresh = opms_take(&chosen.bar.allocator, sizeof *fresh);
     if (!fresh) {
         opms_bar_detector_destroy(detector);
         return opms_fail(err, OPMS_ERR_MEMORY, STAGE, -1, "no memory for a locator (%zu bytes)",
                          sizeof *fresh);
     }
-    memset(fresh, 0, sizeof *fresh);
     fresh->camera = *camera;
     fresh->options = chosen;
     fresh->detector = detector;
@@ -75,15 +72,9 @@ opms_status_t opms_locator_create(const opms_camera_t *camera,
 
 void opms_locator_destroy(opms_locator_t *locator)
 {
-    if (!locator) {
-        return;
-    }
-    const opms_allocator_t allocator = locator->options.bar.allocator;
-    opms_bar_detector_destroy(locator->detector);
-    if (allocator.free) {
-        allocator.free(allocator.user, locator);
-    } else {
-        free(locator);
+    if (locator) {
+        opms_bar_detector_destroy(locator->detector);
+        opms_give_back(&locator->options.bar.allocator, locator);
     }
 }
 

@@ -11,6 +11,7 @@
 #include <string.h>
 
 #include "base/fail.h"
+#include "base/memory.h"
 #include "pair/clock_line.h"
 
 #define STAGE "clock"
@@ -63,11 +64,7 @@ static opms_status_t check_options(const opms_clock_options_t *options, opms_err
                          "drift_max_ppm is %u, allowed is 1 to 10000",
                          (unsigned)options->drift_max_ppm);
     }
-    if (!options->allocator.alloc != !options->allocator.free) {
-        return opms_fail(err, OPMS_ERR_ARG, STAGE, -1,
-                         "allocator has only one of alloc and free");
-    }
-    return OPMS_OK;
+    return opms_check_allocator(&options->allocator, STAGE, err);
 }
 
 opms_status_t opms_clock_create(const opms_clock_options_t *options, opms_clock_t **clock,
@@ -82,14 +79,11 @@ opms_status_t opms_clock_create(const opms_clock_options_t *options, opms_clock_
         OPMS_TRY(check_options(options, err));
         chosen = *options;
     }
-    opms_clock_t *fresh = chosen.allocator.alloc
-                              ? chosen.allocator.alloc(chosen.allocator.user, sizeof *fresh)
-                              : malloc(sizeof *fresh);
+    opms_clock_t *fresh = opms_take(&chosen.allocator, sizeof *fresh);
     if (!fresh) {
         return opms_fail(err, OPMS_ERR_MEMORY, STAGE, -1, "no memory for a clock (%zu bytes)",
                          sizeof *fresh);
     }
-    memset(fresh, 0, sizeof *fresh);
     fresh->options = chosen;
     *clock = fresh;
     return OPMS_OK;
@@ -97,14 +91,8 @@ opms_status_t opms_clock_create(const opms_clock_options_t *options, opms_clock_
 
 void opms_clock_destroy(opms_clock_t *clock)
 {
-    if (!clock) {
-        return;
-    }
-    const opms_allocator_t allocator = clock->options.allocator;
-    if (allocator.free) {
-        allocator.free(allocator.user, clock);
-    } else {
-        free(clock);
+    if (clock) {
+        opms_give_back(&clock->options.allocator, clock);
     }
 }
 

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* A pairer's life: memory, sessions, time, results. */
-#include <stdlib.h>
 #include <string.h>
 
 #include "base/fail.h"
+#include "base/memory.h"
 #include "pair/intake.h"
 #include "pair/pairer_state.h"
 #include "pair/settle.h"
@@ -64,29 +64,8 @@ static opms_status_t check_options(const opms_pair_options_t *options, opms_erro
                          "min_period_us is %u, allowed is 10000 to 10000000",
                          (unsigned)options->min_period_us);
     }
-    if (!options->allocator.alloc != !options->allocator.free) {
-        return opms_fail(err, OPMS_ERR_ARG, STAGE, -1,
-                         "allocator has only one of alloc and free");
-    }
+    OPMS_TRY(opms_check_allocator(&options->allocator, STAGE, err));
     return check_camera(&options->camera, err);
-}
-
-static void *take(const opms_allocator_t *allocator, size_t size)
-{
-    void *memory = allocator->alloc ? allocator->alloc(allocator->user, size) : malloc(size);
-    if (memory) {
-        memset(memory, 0, size);
-    }
-    return memory;
-}
-
-static void give_back(const opms_allocator_t *allocator, void *memory)
-{
-    if (memory && allocator->free) {
-        allocator->free(allocator->user, memory);
-    } else {
-        free(memory);
-    }
 }
 
 /** How many triggers can wait at once, as a power of two. */
@@ -112,10 +91,10 @@ static opms_status_t allocate(opms_pairer_t *pairer, uint32_t slots, opms_error_
     pairer->results.capacity = 2 * slots + 4 * (pairer->jump_max + 2);
     pairer->triggers.mask = (int64_t)slots - 1;
     pairer->frames.mask = slots - 1;
-    pairer->triggers.slots = take(allocator, slots * sizeof *pairer->triggers.slots);
-    pairer->frames.slots = take(allocator, slots * sizeof *pairer->frames.slots);
+    pairer->triggers.slots = opms_take(allocator, slots * sizeof *pairer->triggers.slots);
+    pairer->frames.slots = opms_take(allocator, slots * sizeof *pairer->frames.slots);
     pairer->results.slots =
-        take(allocator, pairer->results.capacity * sizeof *pairer->results.slots);
+        opms_take(allocator, pairer->results.capacity * sizeof *pairer->results.slots);
     if (!pairer->triggers.slots || !pairer->frames.slots || !pairer->results.slots) {
         return opms_fail(err, OPMS_ERR_MEMORY, STAGE, -1, "no memory for %u triggers and frames",
                          (unsigned)slots);
@@ -135,7 +114,7 @@ opms_status_t opms_pairer_create(const opms_pair_options_t *options, opms_pairer
         OPMS_TRY(check_options(options, err));
         chosen = *options;
     }
-    opms_pairer_t *fresh = take(&chosen.allocator, sizeof *fresh);
+    opms_pairer_t *fresh = opms_take(&chosen.allocator, sizeof *fresh);
     if (!fresh) {
         return opms_fail(err, OPMS_ERR_MEMORY, STAGE, -1, "no memory for a pairer (%zu bytes)",
                          sizeof *fresh);
@@ -156,12 +135,12 @@ void opms_pairer_destroy(opms_pairer_t *pairer)
     if (!pairer) {
         return;
     }
-    const opms_allocator_t allocator = pairer->options.allocator;
+    const opms_allocator_t *allocator = &pairer->options.allocator;
     opms_clock_destroy(pairer->clock);
-    give_back(&allocator, pairer->triggers.slots);
-    give_back(&allocator, pairer->frames.slots);
-    give_back(&allocator, pairer->results.slots);
-    give_back(&allocator, pairer);
+    opms_give_back(allocator, pairer->triggers.slots);
+    opms_give_back(allocator, pairer->frames.slots);
+    opms_give_back(allocator, pairer->results.slots);
+    opms_give_back(allocator, pairer);
 }
 
 /** The shortest gap between two triggers that these settings make. */

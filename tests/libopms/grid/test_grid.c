@@ -268,6 +268,10 @@ static void bad_calls_say_what_is_wrong(void)
     image = scene_image(&scene);
     image.stride_bytes = 10;
     TEST_ASSERT_EQUAL(OPMS_ERR_ARG, opms_grid_detect(detector, &image, &summary, &err));
+    image = scene_image(&scene);
+    image.white_level = 256;
+    TEST_ASSERT_EQUAL(OPMS_ERR_ARG, opms_grid_detect(detector, &image, &summary, &err));
+    TEST_ASSERT_NOT_NULL(strstr(err.message, "white_level"));
     TEST_ASSERT_EQUAL(OPMS_ERR_ARG, opms_grid_detect(detector, NULL, &summary, &err));
     opms_grid_detector_destroy(NULL);
 }
