@@ -8,6 +8,7 @@
 
 #include <opms/pose.h>
 
+#include "truth_chi2.h"
 #include "truth_scene.h"
 
 #define RUNS 2000
@@ -34,30 +35,6 @@ void tearDown(void)
 {
 }
 
-/* x^T C^-1 x by Cholesky; the n x n block of the 6 x 6 matrix c that begins at `first`. */
-static double chi2(const double *c, const double *x, int first, int n)
-{
-    double l[6][6], y[6], sum = 0.0;
-    for (int i = 0; i < n; ++i) {
-        y[i] = x[first + i];
-        for (int j = 0; j <= i; ++j) {
-            l[i][j] = c[6 * (first + i) + first + j];
-            for (int k = 0; k < j; ++k) {
-                l[i][j] -= l[i][k] * l[j][k];
-            }
-            if (j < i) {
-                l[i][j] /= l[j][j];
-                y[i] -= l[i][j] * y[j];
-            }
-        }
-        TEST_ASSERT_TRUE(l[i][i] > 0.0);
-        l[i][i] = sqrt(l[i][i]);
-        y[i] /= l[i][i];
-        sum += y[i] * y[i];
-    }
-    return sum;
-}
-
 static outcome_t compare(const opms_pose_t *found, const opms_transform_t *truth)
 {
     double x[6];
@@ -66,7 +43,8 @@ static outcome_t compare(const opms_pose_t *found, const opms_transform_t *truth
         x[3 + i] = truth->t_m[i] - found->transform.t_m[i];
     }
     const double *const c = found->covariance;
-    const outcome_t outcome = {sqrt(c[21] + c[28] + c[35]), chi2(c, x, 3, 3), chi2(c, x, 0, 6)};
+    const outcome_t outcome = {sqrt(c[21] + c[28] + c[35]), truth_chi2(c + 21, 6, x + 3, 3),
+                               truth_chi2(c, 6, x, 6)};
     return outcome;
 }
 

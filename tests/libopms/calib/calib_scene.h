@@ -12,6 +12,7 @@
 #include <opms/calib.h>
 #include <opms/lens.h>
 
+#include "../truth_chi2.h"
 #include "../truth_project.h"
 
 #define SCENE_PICTURES 40
@@ -147,29 +148,6 @@ static inline opms_calibrator_t *scene_calibrator(const scene_t *scene, double c
         TEST_ASSERT_EQUAL_UINT32(k, index);
     }
     return calibrator;
-}
-
-/** x^T C^-1 x of the n x n row-major matrix C, by Cholesky. */
-static inline double scene_chi2(const double *c, const double *x, int n)
-{
-    double l[8][8], y[8], sum = 0.0;
-    for (int i = 0; i < n; ++i) {
-        y[i] = x[i];
-        for (int j = 0; j <= i; ++j) {
-            l[i][j] = c[n * i + j];
-            for (int k = 0; k < j; ++k)
-                l[i][j] -= l[i][k] * l[j][k];
-            if (j < i) {
-                l[i][j] /= l[j][j];
-                y[i] -= l[i][j] * y[j];
-            }
-        }
-        TEST_ASSERT_TRUE(l[i][i] > 0.0);
-        l[i][i] = sqrt(l[i][i]);
-        y[i] /= l[i][i];
-        sum += y[i] * y[i];
-    }
-    return sum;
 }
 
 /** Truth less the lens that was found. */
