@@ -27,6 +27,15 @@ AT(opms_image_t, stride_bytes, 16);
 AT(opms_image_t, format, 24);
 AT(opms_image_t, white_level, 28);
 
+SIZE(opms_expect_options_t, 48);
+AT(opms_expect_options_t, bar_tilt_rad, 8);
+AT(opms_expect_options_t, min_square_px, 40);
+
+SIZE(opms_expectation_t, 584);
+AT(opms_expectation_t, square_count, 4);
+AT(opms_expectation_t, covariance_image, 8);
+AT(opms_expectation_t, covariance_calibration, 296);
+
 SIZE(opms_roi_t, 16);
 AT(opms_roi_t, y_px, 4);
 AT(opms_roi_t, width_px, 8);

@@ -3,7 +3,7 @@
 
     check_includes.py [ROOT]
 
-The table is docs/architecture.md's: base <- kits <- stages <- locate <- programs and bindings.
+The table is docs/architecture.md's: base <- kits <- stages <- locate, expect <- programs and bindings.
 Prints one line a violation and ends with 1 if there was any.
 """
 import re
@@ -18,6 +18,7 @@ MAY_USE = {
     **{kit: {"base"} for kit in KITS},
     **{stage: {"base"} | KITS for stage in STAGES},
     "locate": {"base"} | KITS,
+    "expect": {"base"} | KITS,
     "wire": set(),  # the firmware compiles it alone
 }
 # Public headers that a folder must not see, because they belong to something after it.
@@ -33,6 +34,7 @@ AFTER = {
     "calib": {"wire.h", "bar.h", "locate.h", "opms.h"},
     "pair": {"lens.h", "bar.h", "pose.h", "locate.h", "calib.h", "opms.h"},  # wire.h: its input
     "locate": {"wire.h", "pair.h", "clock.h", "opms.h"},
+    "expect": {"wire.h", "pair.h", "clock.h", "locate.h", "grid.h", "calib.h", "opms.h"},
 }
 C_HEADERS = set("""assert complex ctype errno fenv float inttypes iso646 limits locale math setjmp
     signal stdalign stdarg stdatomic stdbool stddef stdint stdio stdlib stdnoreturn string tgmath

@@ -16,5 +16,6 @@
 #include <opms/locate.h>
 #include <opms/grid.h>
 #include <opms/calib.h>
+#include <opms/expect.h>
 
 #endif
