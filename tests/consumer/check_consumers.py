@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Build and run other people's programs against an installed libopms, outside of the tree.
 
-    check_consumers.py --prefix PREFIX --source ROOT cmake-c11|cmake-cpp17|pkgconfig|subdirectory
+    check_consumers.py --prefix PREFIX --source ROOT CHECK
+
+with CHECK cmake-c11, cmake-cpp17, cmake-hid, pkgconfig or subdirectory.
 """
 import argparse
 import os
@@ -33,9 +35,9 @@ def build_with_cmake(project, build, **variables):
         call(build / program, env=clean_environment())
 
 
-def check_cmake(language, options, work):
+def check_cmake(folder, options, work):
     project = work / "project"
-    shutil.copytree(HERE / language, project)
+    shutil.copytree(HERE / folder, project)
     build_with_cmake(project, work / "build", CMAKE_PREFIX_PATH=options.prefix,
                      CMAKE_FIND_PACKAGE_NO_PACKAGE_REGISTRY="ON")
 
@@ -69,6 +71,7 @@ def check_pkgconfig(options, work):
 CHECKS = {
     "cmake-c11": lambda options, work: check_cmake("c11", options, work),
     "cmake-cpp17": lambda options, work: check_cmake("cpp17", options, work),
+    "cmake-hid": lambda options, work: check_cmake("hid", options, work),
     "pkgconfig": check_pkgconfig,
     "subdirectory": check_subdirectory,
 }
