@@ -1,0 +1,103 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The reader of schematics against the netlists that KiCad itself wrote of the same files."""
+import json
+import tempfile
+import unittest
+from pathlib import Path
+
+from hw_kit import DATA, PROJECT, SCHEMATIC, copy_schematic
+
+from kicad_text import FormatError, parse
+from read_schematic import read
+
+
+def pin_sets(nets):
+    return {frozenset(pins) for pins in nets}
+
+
+def own_pin_sets(netlist):
+    return pin_sets([f"{ref}.{number}" for ref, number in net.pins]
+                    for net in netlist.nets.values())
+
+
+class AgainstKicad(unittest.TestCase):
+    def test_the_box_has_the_nets_that_kicad_finds(self):
+        kicad = json.loads((PROJECT / "outputs/opms-box-kicad.json").read_text())
+        own = read(SCHEMATIC)
+        self.assertGreater(len(own.nets), 50)
+        self.assertEqual(own_pin_sets(own), pin_sets(kicad["nets"].values()))
+
+    def test_labelled_nets_have_the_names_that_kicad_gives(self):
+        kicad = json.loads((PROJECT / "outputs/opms-box-kicad.json").read_text())
+        own = read(SCHEMATIC)
+        for net in own.nets.values():
+            if net.named:
+                self.assertEqual([f"{ref}.{number}" for ref, number in net.pins],
+                                 sorted(kicad["nets"][net.name]), net.name)
+
+    def test_parts_have_the_values_and_footprints_that_kicad_finds(self):
+        kicad = json.loads((PROJECT / "outputs/opms-box-kicad.json").read_text())
+        own = {part.reference: {"value": part.value, "footprint": part.footprint}
+               for part in read(SCHEMATIC).parts.values()}
+        self.assertEqual(own, kicad["parts"])
+
+    def test_symbols_turned_and_mirrored_every_way_have_their_pins_where_kicad_has_them(self):
+        kicad = json.loads((DATA / "turned_symbols-kicad.json").read_text())
+        own = read(DATA / "turned_symbols.kicad_sch")
+        self.assertEqual(own_pin_sets(own), pin_sets(kicad["nets"].values()))
+        # All 12 orientations: gate, source and drain each under a label of its own.
+        self.assertEqual(len([net for net in own.nets.values() if net.named]), 12 * 3 + 2)
+
+
+class Drawing(unittest.TestCase):
+    """By hand: what the drawing data/turned_symbols.kicad_sch shows in its lower half."""
+
+    def setUp(self):
+        self.netlist = read(DATA / "turned_symbols.kicad_sch")
+
+    def test_wires_that_cross_without_a_dot_are_not_connected(self):
+        self.assertIsNot(self.netlist.net_of("R1", "2"), self.netlist.net_of("R3", "2"))
+        self.assertIs(self.netlist.net_of("R3", "2"), self.netlist.net_of("R4", "1"))
+
+    def test_a_label_in_the_middle_of_a_wire_joins_it_with_its_namesake(self):
+        self.assertIs(self.netlist.net_of("R1", "2"), self.netlist.net_of("R5", "1"))
+
+    def test_three_ends_that_meet_are_connected(self):
+        self.assertIs(self.netlist.net_of("R6", "1"), self.netlist.net_of("R7", "2"))
+        self.assertIs(self.netlist.net_of("R6", "1"), self.netlist.net_of("R2", "2"))
+
+    def test_a_power_symbol_names_its_net(self):
+        self.assertEqual(self.netlist.net_of("R1", "1").name, "GND")
+
+
+class BadFiles(unittest.TestCase):
+    def refuse(self, text, words):
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder) / "x.kicad_sch"
+            path.write_text(text, encoding="utf-8")
+            with self.assertRaisesRegex(FormatError, words):
+                read(path)
+
+    def test_a_cut_file_is_refused(self):
+        text = SCHEMATIC.read_text(encoding="utf-8")
+        self.refuse(text[:len(text) // 2], "do not close")
+
+    def test_a_file_of_another_kind_is_refused(self):
+        self.refuse("(kicad_pcb (version 1))", "not a schematic")
+
+    def test_buses_are_refused_rather_than_overlooked(self):
+        self.refuse("(kicad_sch (uuid a) (bus (pts (xy 0 0) (xy 1 1))))", "buses")
+
+    def test_a_missing_sheet_is_an_error(self):
+        with tempfile.TemporaryDirectory() as folder:
+            root = copy_schematic(folder)
+            (root.parent / "opms-box-inputs.kicad_sch").unlink()
+            with self.assertRaises(FileNotFoundError):
+                read(root)
+
+    def test_quotes_and_newlines_within_strings_are_kept(self):
+        self.assertEqual(parse('(a "b \\"c\\" (d)\\ne" f)'), ["a", 'b "c" (d)\ne', "f"])
+
+
+if __name__ == "__main__":
+    unittest.main()
