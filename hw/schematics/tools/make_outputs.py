@@ -61,11 +61,13 @@ def write_drawings(kicad, out, stamp):
                   **kicad_nets(kicad, folder)}
         (out / f"{NAME}-kicad.json").write_text(json.dumps(report, indent=1) + "\n")
         kicad.run(folder, "sch", "erc", "--exit-code-violations", f"{NAME}.kicad_sch")
-        kicad.run(folder, "sch", "export", "pdf", "--no-background-color", "-o", "all.pdf", f"{NAME}.kicad_sch")
+        kicad.run(folder, "sch", "export", "pdf", "--no-background-color", "-o", "all.pdf",
+                  f"{NAME}.kicad_sch")
         pdf = (Path(folder) / "all.pdf").read_bytes()
         # Readers of PDF look for the end of a file within its last 1024 bytes.
         (out / f"{NAME}.pdf").write_bytes(pdf + f"% schematic sha256 {stamp}\n".encode())
-        kicad.run(folder, "sch", "export", "svg", "--no-background-color", "-o", "svg", f"{NAME}.kicad_sch")
+        kicad.run(folder, "sch", "export", "svg", "--no-background-color", "-o", "svg",
+                  f"{NAME}.kicad_sch")
         for path in sorted((Path(folder) / "svg").glob("*.svg")):
             name = path.name.lower()
             body = path.read_text(encoding="utf-8").rstrip("\n")
