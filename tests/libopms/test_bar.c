@@ -300,33 +300,6 @@ static void a_region_is_searched_and_nothing_else(void)
     assert_located(0, 32);
 }
 
-static void hints_right_and_wrong_give_the_same_pose(void)
-{
-    render_and_detect();
-    const opms_pose_result_t first = solve();
-    const double *t_m = first.bar_camera.transform.t_m;
-    opms_transform_t hint = scene.bar_camera;
-
-    detect_in(NULL, &hint);
-    TEST_ASSERT_EQUAL(OPMS_BAR_LOCATED, summary.state);
-    TEST_ASSERT_EQUAL_UINT32(1, summary.followed);
-    opms_pose_result_t next = solve();
-    TEST_ASSERT_DOUBLE_WITHIN(2e-5, 0.0, distance_m(t_m, next.bar_camera.transform.t_m));
-
-    hint.t_m[1] += 0.03; /* one square farther on: the labels are read all the same */
-    detect_in(NULL, &hint);
-    assert_located(0, 32);
-    next = solve();
-    TEST_ASSERT_DOUBLE_WITHIN(2e-5, 0.0, distance_m(t_m, next.bar_camera.transform.t_m));
-
-    hint.t_m[0] += 5.0; /* nowhere near */
-    detect_in(NULL, &hint);
-    assert_located(0, 32);
-    TEST_ASSERT_EQUAL_UINT32(0, summary.followed);
-    next = solve();
-    TEST_ASSERT_DOUBLE_WITHIN(2e-5, 0.0, distance_m(t_m, next.bar_camera.transform.t_m));
-}
-
 static void saturated_white_keeps_labels_and_places(void)
 {
     for (int i = 0; i < 3; ++i) {
@@ -435,7 +408,6 @@ int main(void)
     RUN_TEST(twelve_bits_and_a_stride_give_the_same);
     RUN_TEST(a_picture_of_twelve_bits_is_located);
     RUN_TEST(a_region_is_searched_and_nothing_else);
-    RUN_TEST(hints_right_and_wrong_give_the_same_pose);
     RUN_TEST(saturated_white_keeps_labels_and_places);
     RUN_TEST(motion_under_saturated_white_keeps_labels_and_places);
     RUN_TEST(a_bar_in_the_shade_is_located);

@@ -2,21 +2,19 @@
 #include "bar/bar_search.h"
 
 #include <math.h>
-#include <string.h>
 
 #include "bar/bar_code.h"
-#include "bar/bar_report.h"
+#include "bar/bar_settle.h"
 #include "bar/chain.h"
+#include "bar/follow.h"
 #include "bar/labels.h"
 #include "bar/search_plan.h"
-#include "lens/lens_fast.h"
 
 /* Lines of the picture are searched, coarse to fine, for dark runs; a run becomes a quadrilateral,
  * a quadrilateral a row of squares, a row gets its labels, and the labelled row is refined on all
  * its edges. The first row that passes every test ends the search, so the cost of a picture with a
  * bar is that of a few lines and of the bar itself. */
 
-#define BLUR_START_PX 0.85
 #define SHORTEST_RUN_PX 4
 #define WORK_OF_RUN 12    /* in pixel reads, as all that follow */
 #define WORK_OF_SEED 3000
@@ -106,32 +104,6 @@ static int find_seed(opms_bar_detector_t *d, const search_line_t *line, const da
     return 0;
 }
 
-/** Read the labels once more from the refined map and all squares that were confirmed. */
-static label_verdict_t check_labels(opms_bar_detector_t *d, const edge_scene_t *scene,
-                                    double *margin)
-{
-    chain_t chain = {.count = 0};
-    unsigned sides[OPMS_BAR_SQUARES] = {0};
-    for (int i = 0; i < d->fit.count; ++i) {
-        if (d->fit.good[i]) {
-            sides[d->fit.stretch[i].square] |= 1u << d->fit.stretch[i].side;
-        }
-    }
-    for (int k = 0; k < OPMS_BAR_SQUARES; ++k) {
-        if ((sides[k] & 5u) && (sides[k] & 10u)) {
-            chain.square[chain.count++].place = k - OPMS_BAR_ORIGIN;
-        }
-    }
-    labels_t labels = {0, 0, 0};
-    const label_verdict_t verdict = chain.count == 0 ? LABELS_NOT_A_BAR
-        : labels_decide(&d->view, &chain, &scene->map, scene->lens, scene->ray_limit, &labels);
-    *margin = labels.margin;
-    if (verdict == LABELS_CERTAIN && (labels.turn || labels.offset != OPMS_BAR_ORIGIN)) {
-        return LABELS_UNDECIDED;
-    }
-    return verdict;
-}
-
 /** Grow, fit and label a row from a seed; rows that are not decided are grown as far as they go. */
 static label_verdict_t label_row(opms_bar_detector_t *d, const quad_t *seed, float contrast,
                                  chain_t *chain, plane_map_t *map, double *shift_px,
@@ -168,23 +140,11 @@ static opms_bar_state_t try_seed(opms_bar_detector_t *d, const quad_t *seed, flo
         return verdict == LABELS_UNDECIDED ? OPMS_BAR_AMBIGUOUS : OPMS_BAR_ABSENT;
     }
     plane_map_relabel(&map, labels.turn, BAR_PITCH_MM * (labels.offset - OPMS_BAR_ORIGIN));
-    edge_scene_t scene = {&d->view, &d->local_lens, d->ray_limit, map, shift_px, {1, 1},
-                          {BLUR_START_PX, BLUR_START_PX}, {0, 0}, BLUR_START_PX, 0, 0, 1, 0, 1};
     const int a = chain.square[0].place, b = chain.square[chain.count - 1].place;
     const int first = labels.turn ? labels.offset - b : labels.offset + a;
     const int last = labels.turn ? labels.offset - a : labels.offset + b;
-    const map_verdict_t refined = map_refine(&scene, first, last, contrast, &d->fit);
-    if (refined != MAP_FIRM) {
-        d->settled = refined == MAP_UNSURE;
-        return refined == MAP_UNSURE ? OPMS_BAR_AMBIGUOUS : OPMS_BAR_ABSENT;
-    }
-    double margin = 0;
-    const label_verdict_t again = check_labels(d, &scene, &margin);
-    if (again != LABELS_CERTAIN) {
-        return again == LABELS_UNDECIDED ? OPMS_BAR_AMBIGUOUS : OPMS_BAR_ABSENT;
-    }
-    bar_report(d, &scene, roi, margin, summary);
-    return OPMS_BAR_LOCATED;
+    const bar_start_t start = {map, shift_px, first, last, 0};
+    return bar_settle(d, &start, contrast, roi, summary);
 }
 
 /** Search one line; 1 when the bar is found and there is nothing more to search for. */
@@ -248,55 +208,19 @@ static int search_picture(opms_bar_detector_t *d, int contrast, const opms_roi_t
     return 0;
 }
 
-/** Search short lines through the places where the hint has squares. */
-static int search_hint(opms_bar_detector_t *d, const opms_transform_t *hint, int contrast,
-                       const opms_roi_t *roi, opms_bar_summary_t *summary)
-{
-    static const int order[] = {16, 8, 24, 12, 20, 4, 28, 0, 32, 10, 22, 14, 18, 6, 26, 2, 30};
-    const double *R = hint->R;
-    const int reach = (d->view.width + d->view.height) / 12;
-    int tried = 0;
-    for (size_t i = 0; i < sizeof order / sizeof order[0] && tried < 8; ++i) {
-        const double p[3] = {-hint->t_m[0],
-                             OPMS_BAR_PITCH_M * (order[i] - OPMS_BAR_ORIGIN) - hint->t_m[1],
-                             -hint->t_m[2]};
-        const double z = R[2] * p[0] + R[5] * p[1] + R[8] * p[2];
-        if (!(z > 1e-3)) {
-            continue;
-        }
-        const double x = (R[0] * p[0] + R[3] * p[1] + R[6] * p[2]) / z;
-        const double y = (R[1] * p[0] + R[4] * p[1] + R[7] * p[2]) / z;
-        double u, v;
-        if (!(x * x + y * y < d->ray_limit * d->ray_limit) ||
-            !lens_project_ray(&d->local_lens, x, y, &u, &v) || !view_holds(&d->view, u, v, 2)) {
-            continue;
-        }
-        ++tried;
-        for (int upright = 0; upright < 2; ++upright) {
-            const int middle = (int)(upright ? v : u),
-                      size = upright ? d->view.height : d->view.width;
-            const search_line_t line = {upright, (int)(upright ? u : v),
-                                        middle > reach ? middle - reach : 0,
-                                        middle + reach < size ? middle + reach : size - 1};
-            if (search_line(d, &line, contrast, roi, summary)) {
-                return 1;
-            }
-        }
-    }
-    return 0;
-}
-
 void bar_search(opms_bar_detector_t *d, const opms_transform_t *hint, int least_contrast,
                 const opms_roi_t *roi, opms_bar_summary_t *summary)
 {
     /* Once for bars with a good part of the picture's contrast, once for those in the shade. */
     static const int part[2] = {5, 16};
+    if (hint && follow_hint(d, hint, least_contrast, roi, summary)) {
+        summary->followed = 1;
+        return;
+    }
     const int range = grey_range(d);
     for (int i = 0; i < 2 && !d->settled && summary->state != OPMS_BAR_LOCATED; ++i) {
         const int contrast = range / part[i] > least_contrast ? range / part[i] : least_contrast;
-        if (hint && search_hint(d, hint, contrast, roi, summary)) {
-            summary->followed = summary->state == OPMS_BAR_LOCATED;
-        } else if (range >= least_contrast) {
+        if (range >= least_contrast) {
             search_picture(d, contrast, roi, summary);
         }
     }

@@ -32,9 +32,7 @@ static float span(point_t a, point_t b)
     return hypotf(a.x - b.x, a.y - b.y);
 }
 
-/** Corners of a contour's quadrilateral in bar order, so that they are next to the predicted ones.
- */
-static int match_corners(const quad_t *quad, const point_t predicted[4], point_t corner[4])
+int chain_match_corners(const quad_t *quad, const point_t predicted[4], point_t corner[4])
 {
     const float side_y =
         0.5f * (span(predicted[0], predicted[3]) + span(predicted[1], predicted[2]));
@@ -56,8 +54,8 @@ static int match_corners(const quad_t *quad, const point_t predicted[4], point_t
     return 0;
 }
 
-static int find_square(const view_t *view, const point_t predicted[4], float contrast,
-                       const quad_limits_t *limits, point_t *points, point_t corner[4])
+int chain_find_square(const view_t *view, const point_t predicted[4], float contrast,
+                      const quad_limits_t *limits, point_t *points, point_t corner[4])
 {
     const point_t mid = middle(predicted);
     /* The white margins at X = -12.5 and +12.5 mm. */
@@ -79,7 +77,7 @@ static int find_square(const view_t *view, const point_t predicted[4], float con
         quad_t quad;
         if (quad_trace(view, (int)(mid.x + 0.5f), (int)(mid.y + 0.5f),
                        black + part[i] * (white - black), limits, points, &quad) &&
-            match_corners(&quad, predicted, corner)) {
+            chain_match_corners(&quad, predicted, corner)) {
             return 1;
         }
     }
@@ -134,7 +132,7 @@ static void grow_end(const view_t *view, float contrast, const quad_limits_t *li
                 return;
             }
             struct chain_square *next = &chain->square[chain->count];
-            if (find_square(view, predicted, contrast, limits, points, next->corner)) {
+            if (chain_find_square(view, predicted, contrast, limits, points, next->corner)) {
                 next->place = last.place + step * direction;
                 break;
             }
@@ -291,4 +289,44 @@ int chain_fit(chain_t *chain, const opms_lens_t *lens, double ray_limit, plane_m
         --chain->count;
     }
     return 0;
+}
+
+/** Common outward shift of the sides of squares far apart, which leave the map little to err in. */
+static double shift_from_map(const chain_t *chain, const opms_lens_t *lens, double ray_limit,
+                             const plane_map_t *map)
+{
+    double sum = 0;
+    for (int i = 0; i < chain->count; ++i) {
+        const point_t *c = chain->square[i].corner;
+        double px[2][2];
+        for (int end = 0; end < 2; ++end) {
+            const double y = BAR_PITCH_MM * chain->square[i].place +
+                             (end ? BAR_HALF_SQUARE_MM : -BAR_HALF_SQUARE_MM);
+            if (!plane_map_project(map, lens, ray_limit, 0, y, px[end], NULL)) {
+                return 0;
+            }
+        }
+        const double seen = 0.5 * (double)(span(c[0], c[3]) + span(c[1], c[2]));
+        sum += 0.5 * (seen - hypot(px[1][0] - px[0][0], px[1][1] - px[0][1]));
+    }
+    return sum / chain->count;
+}
+
+int chain_fit_far(chain_t *chain, const opms_lens_t *lens, double ray_limit, plane_map_t *map,
+                  double *shift_px)
+{
+    if (!fit_corners(chain, lens, map)) {
+        return 0;
+    }
+    *shift_px = shift_from_map(chain, lens, ray_limit, map);
+    move_sides(chain, (float)-*shift_px);
+    if (!fit_corners(chain, lens, map)) {
+        return 0;
+    }
+    for (int i = 0; i < chain->count; ++i) {
+        if (misfit(&chain->square[i], lens, ray_limit, map) > 1) {
+            return 0;
+        }
+    }
+    return 1;
 }

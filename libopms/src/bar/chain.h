@@ -36,4 +36,16 @@ int chain_grow(const view_t *view, const quad_t *seed, float contrast, const qua
 int chain_fit(chain_t *chain, const opms_lens_t *lens, double ray_limit, plane_map_t *map,
               double *shift_px);
 
+/** Corners of a contour's quadrilateral in bar order, so that they are next to the predicted ones;
+ * 0 where they are not. */
+int chain_match_corners(const quad_t *quad, const point_t predicted[4], point_t corner[4]);
+
+/** Look at one square where it is predicted. 1 with its corners where it is. */
+int chain_find_square(const view_t *view, const point_t predicted[4], float contrast,
+                      const quad_limits_t *limits, point_t *points, point_t corner[4]);
+
+/** As chain_fit(), for a few squares far apart whose places are known: all of them have to fit. */
+int chain_fit_far(chain_t *chain, const opms_lens_t *lens, double ray_limit, plane_map_t *map,
+                  double *shift_px);
+
 #endif
