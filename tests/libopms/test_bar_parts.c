@@ -56,14 +56,14 @@ static void the_profile_of_four_pixels_is_the_normal_distribution(void)
         for (int k = 0; k < LANES; ++k) {
             z[k] = (float)(i + k) / 1000.f;
         }
-        const edge_lanes_t profile = edge_lanes(z);
+        const normal_lanes_t profile = normal_lanes(z);
         for (int k = 0; k < LANES; ++k) {
             TEST_ASSERT_DOUBLE_WITHIN(4e-6, normal_part((double)z[k]), profile.step[k]);
             TEST_ASSERT_DOUBLE_WITHIN(4e-6, normal_density((double)z[k]), profile.pulse[k]);
         }
     }
     const lanes_t beyond = {-1e6f, -60.f, 60.f, 1e6f};
-    const edge_lanes_t profile = edge_lanes(beyond);
+    const normal_lanes_t profile = normal_lanes(beyond);
     for (int k = 0; k < LANES; ++k) {
         TEST_ASSERT_DOUBLE_WITHIN(1e-6, k < 2 ? 0 : 1, profile.step[k]);
         TEST_ASSERT_DOUBLE_WITHIN(1e-5, 0, profile.pulse[k]);

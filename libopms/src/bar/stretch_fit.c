@@ -125,7 +125,7 @@ static inline lanes_t cells_at(const side_model_t *model, const cell_ends_t *nea
     lanes_t sum = lanes_of(near->base);
     *ends = lanes_of(0.f);
     for (int i = 0; i < near->count; ++i) {
-        const edge_lanes_t end = edge_lanes((along - near->at_mm[i]) * model->along_scale);
+        const normal_lanes_t end = normal_lanes((along - near->at_mm[i]) * model->along_scale);
         sum += near->sign[i] * end.step;
         *ends += near->sign[i] * end.pulse;
     }
@@ -165,13 +165,13 @@ static inline lanes_t corner_excess_lanes(lanes_t lean, lanes_t a, lanes_t densi
 static inline lanes_t coverage(const side_model_t *model, const stretch_parts_t *parts, lanes_t s,
                                lanes_t along, lanes_t *slope)
 {
-    const edge_lanes_t edge = edge_lanes_blurred(&model->blur, s);
+    const normal_lanes_t edge = edge_lanes_blurred(&model->blur, s);
     const float sigma = 1.f / model->per_sigma;
     lanes_t w = edge.step;
     *slope = edge.pulse;
     if (parts->end) {
         const lanes_t to_end = (model->end_at - lanes_abs(along)) * model->along_scale;
-        const edge_lanes_t there = edge_lanes(to_end);
+        const normal_lanes_t there = normal_lanes(to_end);
         const lanes_t lean =
             lanes_pick(along < 0.f, lanes_of(-model->lean), lanes_of(model->lean));
         const lanes_t z = s * model->per_sigma;
@@ -180,9 +180,9 @@ static inline lanes_t coverage(const side_model_t *model, const stretch_parts_t 
         *slope *= there.step + lean * z * there.pulse;
     }
     if (parts->cells) {
-        edge_lanes_t across = edge_lanes_blurred(&model->blur, s - model->cell_near);
+        normal_lanes_t across = edge_lanes_blurred(&model->blur, s - model->cell_near);
         if (parts->cells_far) {
-            const edge_lanes_t far = edge_lanes_blurred(&model->blur, s - model->cell_far);
+            const normal_lanes_t far = edge_lanes_blurred(&model->blur, s - model->cell_far);
             across.step -= far.step;
             across.pulse -= far.pulse;
         }

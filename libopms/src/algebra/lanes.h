@@ -2,8 +2,8 @@
 /** @file
  * Four floats at a time, as every vector unit has them (SSE2, NEON). Without one the compiler
  * takes them one by one, with the same result. */
-#ifndef OPMS_BAR_LANES_H
-#define OPMS_BAR_LANES_H
+#ifndef OPMS_ALGEBRA_LANES_H
+#define OPMS_ALGEBRA_LANES_H
 
 #include <stdint.h>
 #include <string.h>
@@ -49,6 +49,11 @@ static inline lanes_t lanes_abs(lanes_t v)
 static inline lanes_t lanes_min(lanes_t a, lanes_t b)
 {
     return lanes_pick(a < b, a, b);
+}
+
+static inline lanes_t lanes_max(lanes_t a, lanes_t b)
+{
+    return lanes_pick(a > b, a, b);
 }
 
 #endif
