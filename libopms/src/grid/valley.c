@@ -4,10 +4,12 @@
 /* Grey levels from `from` on, one a pixel; ends at the picture's border. */
 static int read_probe(const view_t *view, vec2_t from, vec2_t unit, int count, float *grey)
 {
+    const vec2_t end = vec2_add(from, unit, (float)(count - 1));
+    const int whole = view_holds(view, from.x, from.y, 0.0) && view_holds(view, end.x, end.y, 0.0);
     int n = 0;
     for (; n < count; ++n) {
         const vec2_t at = vec2_add(from, unit, (float)n);
-        if (!view_holds(view, at.x, at.y, 0.0)) {
+        if (!whole && !view_holds(view, at.x, at.y, 0.0)) {
             break;
         }
         grey[n] = view_bilinear(view, at.x, at.y);
