@@ -1,70 +1,55 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The lines over libgpiod's API of 1.x. Its kernel interface keeps 16 edges and does not say when
  * it has lost one. */
-#include "gpio_lines.h"
+#include "gpio_api.h"
 
 #include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 #include <time.h>
 
 #include <gpiod.h>
 
 #define READ_MAX 16
 
-static const char *const ROLE_NAMES[GPIO_ROLES] = {"START", "STROBE", "TRIG"};
-
 struct gpio_lines {
     struct gpiod_chip *chip;
     struct gpiod_line *lines[GPIO_ROLES]; /* NULL where there is none */
 };
 
-static int request(gpio_lines_t *lines, gpio_role_t role, const gpio_line_config_t *config,
-                   char *error, uint32_t error_size)
+gpio_lines_t *gpio_api_open(const char *chip_path)
 {
-    const unsigned count = gpiod_chip_num_lines(lines->chip);
-    if (config->offset < 0 || (unsigned)config->offset >= count) {
-        snprintf(error, error_size, "%s: there is no line %d, the chip has lines 0 to %u",
-                 ROLE_NAMES[role], config->offset, count - 1);
-        return -1;
+    gpio_lines_t *const lines = calloc(1, sizeof *lines);
+    if (!lines) {
+        return NULL;
     }
+    lines->chip = gpiod_chip_open(chip_path);
+    if (!lines->chip) {
+        const int code = errno;
+        free(lines);
+        errno = code;
+        return NULL;
+    }
+    return lines;
+}
+
+unsigned gpio_api_line_count(gpio_lines_t *lines)
+{
+    return gpiod_chip_num_lines(lines->chip);
+}
+
+int gpio_api_request(gpio_lines_t *lines, gpio_role_t role, const gpio_line_config_t *config)
+{
     const struct gpiod_line_request_config how = {
-        .consumer = "opms siggen",
+        .consumer = GPIO_CONSUMER,
         .request_type = role == GPIO_TRIG ? GPIOD_LINE_REQUEST_EVENT_RISING_EDGE
                                           : GPIOD_LINE_REQUEST_DIRECTION_OUTPUT,
         .flags = config->active_low ? GPIOD_LINE_REQUEST_FLAG_ACTIVE_LOW : 0};
     struct gpiod_line *const line = gpiod_chip_get_line(lines->chip, (unsigned)config->offset);
     if (!line || gpiod_line_request(line, &how, 0) != 0) {
-        snprintf(error, error_size, "%s: line %d cannot be had: %s", ROLE_NAMES[role],
-                 config->offset, strerror(errno));
-        return -1;
+        return errno;
     }
     lines->lines[role] = line;
-    return 0;
-}
-
-int gpio_lines_open(const gpio_config_t *config, gpio_lines_t **lines, char *error,
-                    uint32_t error_size)
-{
-    gpio_lines_t *const made = calloc(1, sizeof *made);
-    if (made) {
-        made->chip = gpiod_chip_open(config->chip_path);
-    }
-    if (!made || !made->chip) {
-        snprintf(error, error_size, "%s cannot be opened as a GPIO chip: %s", config->chip_path,
-                 strerror(errno));
-        free(made);
-        return -1;
-    }
-    for (int i = 0; i < GPIO_ROLES; ++i) {
-        if (config->lines[i].offset != GPIO_NO_LINE &&
-            request(made, (gpio_role_t)i, &config->lines[i], error, error_size) != 0) {
-            gpio_lines_close(made);
-            return -1;
-        }
-    }
-    *lines = made;
     return 0;
 }
 

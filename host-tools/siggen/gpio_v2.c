@@ -1,19 +1,16 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The lines over libgpiod's API of 2.x. Its kernel interface numbers the edges of a line, so that
  * lost ones are noticed, and keeps as many as are asked for. */
-#include "gpio_lines.h"
+#include "gpio_api.h"
 
 #include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include <gpiod.h>
 
 #define KERNEL_EDGES 1024
 #define READ_MAX 64
-
-static const char *const ROLE_NAMES[GPIO_ROLES] = {"START", "STROBE", "TRIG"};
 
 struct gpio_lines {
     struct gpiod_chip *chip;
@@ -47,7 +44,7 @@ static int make_setup(struct setup *setup, gpio_role_t role, const gpio_line_con
         return -1;
     }
     gpiod_line_settings_set_active_low(setup->settings, config->active_low);
-    gpiod_request_config_set_consumer(setup->request, "opms siggen");
+    gpiod_request_config_set_consumer(setup->request, GPIO_CONSUMER);
     if (role == GPIO_TRIG) {
         gpiod_line_settings_set_direction(setup->settings, GPIOD_LINE_DIRECTION_INPUT);
         gpiod_line_settings_set_edge_detection(setup->settings, GPIOD_LINE_EDGE_RISING);
@@ -59,23 +56,33 @@ static int make_setup(struct setup *setup, gpio_role_t role, const gpio_line_con
     return gpiod_line_config_add_line_settings(setup->lines, &offset, 1, setup->settings);
 }
 
-static unsigned line_count(struct gpiod_chip *chip)
+gpio_lines_t *gpio_api_open(const char *chip_path)
 {
-    struct gpiod_chip_info *const info = gpiod_chip_get_info(chip);
+    gpio_lines_t *const lines = calloc(1, sizeof *lines);
+    if (!lines) {
+        return NULL;
+    }
+    lines->events = gpiod_edge_event_buffer_new(READ_MAX);
+    lines->chip = lines->events ? gpiod_chip_open(chip_path) : NULL;
+    if (!lines->chip) {
+        const int code = errno;
+        gpio_lines_close(lines);
+        errno = code;
+        return NULL;
+    }
+    return lines;
+}
+
+unsigned gpio_api_line_count(gpio_lines_t *lines)
+{
+    struct gpiod_chip_info *const info = gpiod_chip_get_info(lines->chip);
     const unsigned count = info ? (unsigned)gpiod_chip_info_get_num_lines(info) : 0;
     gpiod_chip_info_free(info);
     return count;
 }
 
-static int request(gpio_lines_t *lines, gpio_role_t role, const gpio_line_config_t *config,
-                   char *error, uint32_t error_size)
+int gpio_api_request(gpio_lines_t *lines, gpio_role_t role, const gpio_line_config_t *config)
 {
-    const unsigned count = line_count(lines->chip);
-    if (config->offset < 0 || (unsigned)config->offset >= count) {
-        snprintf(error, error_size, "%s: there is no line %d, the chip has lines 0 to %u",
-                 ROLE_NAMES[role], config->offset, count - 1);
-        return -1;
-    }
     struct setup setup = {0};
     if (make_setup(&setup, role, config) == 0) {
         lines->requests[role] =
@@ -84,37 +91,7 @@ static int request(gpio_lines_t *lines, gpio_role_t role, const gpio_line_config
     const int code = errno;
     free_setup(&setup);
     lines->offsets[role] = (unsigned)config->offset;
-    if (!lines->requests[role]) {
-        snprintf(error, error_size, "%s: line %d cannot be had: %s", ROLE_NAMES[role],
-                 config->offset, strerror(code));
-        return -1;
-    }
-    return 0;
-}
-
-int gpio_lines_open(const gpio_config_t *config, gpio_lines_t **lines, char *error,
-                    uint32_t error_size)
-{
-    gpio_lines_t *const made = calloc(1, sizeof *made);
-    if (made) {
-        made->events = gpiod_edge_event_buffer_new(READ_MAX);
-        made->chip = made->events ? gpiod_chip_open(config->chip_path) : NULL;
-    }
-    if (!made || !made->chip) {
-        snprintf(error, error_size, "%s cannot be opened as a GPIO chip: %s", config->chip_path,
-                 strerror(errno));
-        gpio_lines_close(made);
-        return -1;
-    }
-    for (int i = 0; i < GPIO_ROLES; ++i) {
-        if (config->lines[i].offset != GPIO_NO_LINE &&
-            request(made, (gpio_role_t)i, &config->lines[i], error, error_size) != 0) {
-            gpio_lines_close(made);
-            return -1;
-        }
-    }
-    *lines = made;
-    return 0;
+    return lines->requests[role] ? 0 : code;
 }
 
 int gpio_lines_set(gpio_lines_t *lines, gpio_role_t output, bool active)
