@@ -34,10 +34,6 @@ typedef struct box_identity {
     opms_reset_cause_t reset_cause;
 } box_identity_t;
 
-typedef struct box_event_entry {
-    opms_event_report_t report; /* report_number is filled in when it is sent */
-} box_event_entry_t;
-
 typedef struct box_pong_entry {
     uint32_t ping_id;
     box_cycles_t received;
@@ -81,8 +77,8 @@ typedef struct box {
     bool strobe_missing_news;  /* since the last TRIGGER */
     box_selection_t selection;
 
-    box_event_entry_t events[BOX_EVENTS];
-    uint32_t events_in, events_out; /* free-running */
+    opms_event_report_t events[BOX_EVENTS]; /* report_number is filled in when it is sent */
+    uint32_t events_in, events_out;         /* free-running */
     uint32_t event_number;
     box_pong_entry_t pongs[BOX_PONGS];
     uint32_t pongs_in, pongs_out;   /* free-running */

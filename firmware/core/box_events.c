@@ -8,7 +8,7 @@ void box_push_event(box_t *box, opms_event_kind_t kind, box_cycles_t time, uint3
     box->event_number++;
     if (box->events_in - box->events_out == BOX_EVENTS)
         return;
-    opms_event_report_t *report = &box->events[box->events_in++ % BOX_EVENTS].report;
+    opms_event_report_t *report = &box->events[box->events_in++ % BOX_EVENTS];
     *report = (opms_event_report_t){
         .kind = kind,
         .state = box->state,

@@ -84,7 +84,7 @@ static void write_pong(box_t *box, box_cycles_t now, uint8_t *bytes)
 
 static void write_event(box_t *box, uint8_t *bytes)
 {
-    opms_event_report_t report = box->events[box->events_out++ % BOX_EVENTS].report;
+    opms_event_report_t report = box->events[box->events_out++ % BOX_EVENTS];
     report.report_number = ++box->report_number;
     opms_wire_write_event(&report, bytes);
 }
