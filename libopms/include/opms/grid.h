@@ -34,7 +34,9 @@ typedef enum opms_grid_state {
 typedef struct opms_node {
     int32_t label[2]; /**< (50 + i, 50 + j) */
     double px[2];     /**< (u, v) */
-    double sigma_px;  /**< standard deviation of each coordinate, from the image noise */
+    /** Standard deviation of each coordinate: from the image noise, and raised for all nodes of a
+     * picture alike where they scatter by more than that about smooth lines. */
+    double sigma_px;
 } opms_node_t;
 
 /** What is known about the picture as a whole. */

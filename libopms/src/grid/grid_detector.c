@@ -8,6 +8,7 @@
 #include "grid/grid_seed.h"
 #include "grid/grid_spread.h"
 #include "grid/node_fit.h"
+#include "grid/node_scatter.h"
 #include "image/image_check.h"
 
 #define STAGE "grid"
@@ -148,6 +149,7 @@ opms_status_t opms_grid_detect(opms_grid_detector_t *detector, const opms_image_
     if (certain) {
         mend_centre(detector, &label);
     }
+    hold_sigmas_to_scatter(detector);
     if (detector->found < NODES_LEAST || !write_nodes(detector, &label, certain)) {
         return OPMS_OK;
     }

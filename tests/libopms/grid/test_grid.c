@@ -86,7 +86,7 @@ static void all_nodes_are_found_within_hundredths_of_a_pixel(void)
     detect_and_compare(1);
     TEST_ASSERT_TRUE(got.found >= 0.98);
     TEST_ASSERT_TRUE(got.rms_px < 0.03);
-    TEST_ASSERT_TRUE(got.rms_sigmas > 0.5 && got.rms_sigmas < 2.0);
+    TEST_ASSERT_TRUE(got.rms_sigmas > 0.6 && got.rms_sigmas < 1.4);
     TEST_ASSERT_DOUBLE_WITHIN(1.0, 2.0, summary.noise);
     TEST_ASSERT_DOUBLE_WITHIN(0.15, 0.6, summary.blur_px);
 }
