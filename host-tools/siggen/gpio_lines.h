@@ -3,8 +3,8 @@
  * The lines of a GPIO chip that the signal generator needs, over libgpiod.
  *
  * One interface, two makers: gpio_v1.c for libgpiod's old API (Debian 12), gpio_v2.c for the new
- * one (Debian 13); what they share is in gpio_open.c. Which of them is built is decided when CMake has seen gpiod.h. One handle, one
- * thread at a time. */
+ * one (Debian 13); gpio_open.c is what they share. Which of them is built is decided when CMake has
+ * seen gpiod.h. One handle, one thread at a time. */
 #ifndef OPMS_SIGGEN_GPIO_LINES_H
 #define OPMS_SIGGEN_GPIO_LINES_H
 
