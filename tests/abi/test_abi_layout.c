@@ -31,6 +31,14 @@ SIZE(opms_expect_options_t, 48);
 AT(opms_expect_options_t, bar_tilt_rad, 8);
 AT(opms_expect_options_t, min_square_px, 40);
 
+SIZE(opms_calib_view_t, 136);
+AT(opms_calib_view_t, target_m, 96);
+AT(opms_calib_view_t, sigma_px, 112);
+AT(opms_calib_view_t, footprints, 120);
+
+AT(opms_calib_foresight_t, gain, 8);
+AT(opms_calib_foresight_t, camera, 16);
+
 SIZE(opms_expectation_t, 584);
 AT(opms_expectation_t, square_count, 4);
 AT(opms_expectation_t, covariance_image, 8);

@@ -3,7 +3,8 @@
 
     check_includes.py [ROOT]
 
-The table is docs/architecture.md's: base <- kits <- stages <- locate, expect <- programs and bindings.
+The table is docs/architecture.md's:
+base <- kits <- stages <- locate, expect <- programs and bindings.
 Prints one line a violation and ends with 1 if there was any.
 """
 import re

@@ -14,14 +14,21 @@ namespace opms::calib
 namespace
 {
 
-constexpr double PIVOT_LEAST = 1e-13;
+void add_priors(const opms_calibrator &calibrator, int size, double *total)
+{
+    for (int i = 0; i < size; ++i) {
+        const Prior prior = prior_of(calibrator, calibrator.shape, i);
+        total[i * size + i] += prior.sigma > 0.0 ? 1.0 / (prior.sigma * prior.sigma) : 0.0;
+    }
+}
 
-/* What a picture says of the shared unknowns, its pose eliminated, is added to `total`. */
-bool add_picture(Picture &picture, const PictureEquations &equations, double variance,
-                 double *total)
+} // namespace
+
+bool add_information(Picture &picture, const PictureEquations &equations, double variance,
+                     double *total)
 {
     Mat6 inverse = equations.pose;
-    if (!spd_invert(inverse.data(), 6, PIVOT_LEAST)) {
+    if (!spd_invert(inverse.data(), 6, COVARIANCE_PIVOT_LEAST)) {
         return false;
     }
     const int size = equations.size;
@@ -44,20 +51,10 @@ bool add_picture(Picture &picture, const PictureEquations &equations, double var
     return true;
 }
 
-void add_priors(const opms_calibrator &calibrator, int size, double *total)
-{
-    for (int i = 0; i < size; ++i) {
-        const Prior prior = prior_of(calibrator, calibrator.shape, i);
-        total[i * size + i] += prior.sigma > 0.0 ? 1.0 / (prior.sigma * prior.sigma) : 0.0;
-    }
-}
-
-} // namespace
-
 bool invert_lens_information(const Mat8 &information, Mat8 &covariance)
 {
     covariance = information;
-    return spd_invert(covariance.data(), LENS, PIVOT_LEAST) != 0;
+    return spd_invert(covariance.data(), LENS, COVARIANCE_PIVOT_LEAST) != 0;
 }
 
 bool solve_covariance(opms_calibrator &calibrator, double scale, double variance, bool with_cockle)
@@ -74,12 +71,12 @@ bool solve_covariance(opms_calibrator &calibrator, double scale, double variance
         sum_equations(picture, calibrator.shape, picture.pose, scale,
                       with_cockle ? calibrator.cockle_scale_m : 0.0, 1, Weights::Inliers,
                       equations);
-        if (!add_picture(picture, equations, variance, total)) {
+        if (!add_information(picture, equations, variance, total)) {
             return false;
         }
     }
     add_priors(calibrator, size, total);
-    if (!spd_invert(total, size, PIVOT_LEAST)) {
+    if (!spd_invert(total, size, COVARIANCE_PIVOT_LEAST)) {
         return false;
     }
     calibrator.covariance.setZero();

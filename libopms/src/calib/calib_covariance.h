@@ -5,9 +5,17 @@
 #define OPMS_CALIB_CALIB_COVARIANCE_H
 
 #include "calib/calib_state.h"
+#include "calib/normal_equations.h"
 
 namespace opms::calib
 {
+
+constexpr double COVARIANCE_PIVOT_LEAST = 1e-13; // below it, equations are singular
+
+/** Add to `total` (size x size of the equations) what a picture says of the shared unknowns, its
+ * pose eliminated. Fills in the picture's information, pose_covariance and slope. */
+bool add_information(Picture &picture, const PictureEquations &equations, double variance,
+                     double *total);
 
 /** Fill in calibrator.covariance and each picture's information, pose_covariance and slope, for
  * residuals whose variance is `variance` times the stated one.

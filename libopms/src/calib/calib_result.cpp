@@ -29,6 +29,7 @@ constexpr double FIT_LEAST = 0.5;          // inliers a picture must have
 constexpr uint32_t PICTURES_LEAST = 3;
 constexpr int CELLS = 8;                   // of the picture, each way, for the coverage
 constexpr double PARALLEL_RAD = 0.09;      // normals within 5 degrees
+constexpr double PARALLEL_FOCAL = 0.001;   // as well known as this, f is fixed in spite of it
 constexpr double COVERAGE_LEAST = 0.6;
 constexpr double FOCAL_OPEN = 0.01, CENTRE_OPEN = 0.02;
 constexpr double RESIDUAL_LARGE = 9.0;     // chi2 per degree of freedom
@@ -192,21 +193,20 @@ double coverage_of(const opms_calibrator &calibrator)
     return (double)count / (CELLS * CELLS);
 }
 
-/* Largest angle between the target's normals in two pictures, from that in the first. */
-double spread_of_directions(const opms_calibrator &calibrator)
+/* Is the target's normal, as the camera sees it, nearly the same in all pictures? Such pictures
+ * show one vanishing line, whatever the camera is turned about the normal. */
+bool one_direction(const opms_calibrator &calibrator)
 {
-    const Picture *first = nullptr;
-    double spread = 0.0;
+    double least = 1.0; // cosine
     for (uint32_t k = 0; k < calibrator.picture_count; ++k) {
-        const Picture &picture = calibrator.pictures[k];
-        if (!in_use(picture)) {
-            continue;
+        for (uint32_t l = 0; l < k && in_use(calibrator.pictures[k]); ++l) {
+            if (in_use(calibrator.pictures[l])) {
+                least = std::min(least, calibrator.pictures[k].pose.R.row(2).dot(
+                                            calibrator.pictures[l].pose.R.row(2)));
+            }
         }
-        first = first ? first : &picture;
-        const double cosine = picture.pose.R.row(2).dot(first->pose.R.row(2));
-        spread = std::max(spread, std::acos(std::min(1.0, std::max(-1.0, cosine))));
     }
-    return spread;
+    return least > std::cos(PARALLEL_RAD);
 }
 
 uint32_t warnings_of(const opms_calibrator &calibrator, const opms_calib_result_t &result)
@@ -215,7 +215,9 @@ uint32_t warnings_of(const opms_calibrator &calibrator, const opms_calib_result_
     const auto sigma = [&](int i) { return std::sqrt(result.covariance[i * LENS + i]); };
     uint32_t warnings = 0;
     const auto warn = [&](bool is_so, uint32_t bit) { warnings |= is_so ? bit : 0; };
-    warn(spread_of_directions(calibrator) < PARALLEL_RAD, OPMS_CALIB_ALL_PARALLEL);
+    warn(one_direction(calibrator) && (sigma(0) > PARALLEL_FOCAL * result.lens.fx_px ||
+                                       sigma(1) > PARALLEL_FOCAL * result.lens.fy_px),
+         OPMS_CALIB_ALL_PARALLEL);
     warn(result.pictures_used < 5, OPMS_CALIB_FEW_PICTURES);
     warn(result.coverage < COVERAGE_LEAST, OPMS_CALIB_POOR_COVERAGE);
     warn(sigma(0) > FOCAL_OPEN * result.lens.fx_px || sigma(1) > FOCAL_OPEN * result.lens.fy_px,
@@ -259,8 +261,8 @@ opms_status_t write_result(opms_calibrator &calibrator, const SolveEnd &end,
     result.iterations = (uint32_t)end.iterations;
     result.residual_rms_px = std::sqrt(tally.px2 / std::max(1U, tally.inliers));
     result.chi2_dof = tally.sigmas2 / freedom / INLIER_VARIANCE;
-    const double variance = result.chi2_dof * residual_correlation(calibrator);
-    if (!solve_covariance(calibrator, end.scale, variance, with_cockle)) {
+    calibrator.variance = result.chi2_dof * residual_correlation(calibrator);
+    if (!solve_covariance(calibrator, end.scale, calibrator.variance, with_cockle)) {
         return opms_fail(
             err, OPMS_ERR_DOMAIN, STAGE, -1,
             "the pictures leave the camera undetermined: tilt the camera between them");

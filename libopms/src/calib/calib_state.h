@@ -66,6 +66,7 @@ struct opms_calibrator {
     double cockle_scale_m; // half the target's size; heights are of (X/s)^i (Y/s)^j
     bool solved;
     opms_calib_result_t result;
+    double variance; // of the residuals, in units of the stated one, correlation included
     opms::calib::MatShared covariance; // of lens and cockle; 0 for a cockle not estimated
 };
 

@@ -108,6 +108,65 @@ static void parallel_views_are_told(void)
     opms_calibrator_destroy(calibrator);
 }
 
+/* Cameras that lean by one angle, each to another side of the picture, or all to the same one while
+ * the camera is turned about the target's normal. */
+static void lean(uint32_t count, double lean_rad, double side_step_rad, double turn_step_rad)
+{
+    const double down[3] = {3.141592653589793, 0.0, 0.0};
+    uint64_t random = 21;
+    const scene_plan_t plan = scene_usual_plan();
+    const opms_lens_t lens = {1024,  768,    585.0, 585.0,  517.3,
+                              379.6, -0.118, 0.031, 0.0011, -0.0007};
+    scene.lens = lens;
+    scene.picture_count = count;
+    for (uint32_t k = 0; k < count; ++k) {
+        const double side = k * side_step_rad;
+        const double turn[3] = {0.0, 0.0, k * turn_step_rad};
+        const double leaning[3] = {lean_rad * cos(side), lean_rad * sin(side), 0.0};
+        double a[9], b[9], c[9];
+        opms_transform_t *pose = &scene.target_camera[k];
+        truth_rotation(down, a);
+        truth_rotation(turn, b);
+        truth_multiply(a, b, c);
+        truth_rotation(leaning, a);
+        truth_multiply(c, a, pose->R);
+        for (int i = 0; i < 3; ++i)
+            pose->t_m[i] = -(0.4 + 0.02 * k) * pose->R[3 * i + 2];
+        scene_look(&scene, k, &plan, &random);
+    }
+}
+
+static void expect_parallel(int is_parallel)
+{
+    double off[8];
+    solve(0.0);
+    TEST_ASSERT_EQUAL(is_parallel, (result.warnings & OPMS_CALIB_ALL_PARALLEL) != 0);
+    scene_lens_error(&scene, &result.lens, off);
+    if (!is_parallel)
+        TEST_ASSERT_TRUE(truth_chi2(result.covariance, 8, off, 8) < 30.0);
+}
+
+static void three_pictures_that_lean_to_three_sides_are_not_parallel(void)
+{
+    lean(3, 0.26, 2.0944, 0.0);
+    expect_parallel(0);
+}
+
+static void three_pictures_that_lean_the_same_way_are_parallel_however_they_are_turned(void)
+{
+    lean(3, 0.1, 0.0, 0.0);
+    expect_parallel(1);
+    lean(3, 0.1, 0.0, 2.0944);
+    expect_parallel(1);
+}
+
+static void a_focal_length_that_is_fixed_all_the_same_is_no_reason_to_warn(void)
+{
+    lean(12, 0.52, 0.0, 0.52);
+    expect_parallel(0);
+    TEST_ASSERT_TRUE(sqrt(result.covariance[0]) < 1e-3 * result.lens.fx_px);
+}
+
 static void the_cockle_of_the_target_is_estimated(void)
 {
     scene_plan_t plan = scene_usual_plan();
@@ -247,6 +306,9 @@ int main(void)
     RUN_TEST(a_wrong_point_in_twenty_is_found_and_does_no_harm);
     RUN_TEST(a_picture_of_another_camera_is_left_out);
     RUN_TEST(parallel_views_are_told);
+    RUN_TEST(three_pictures_that_lean_to_three_sides_are_not_parallel);
+    RUN_TEST(three_pictures_that_lean_the_same_way_are_parallel_however_they_are_turned);
+    RUN_TEST(a_focal_length_that_is_fixed_all_the_same_is_no_reason_to_warn);
     RUN_TEST(the_cockle_of_the_target_is_estimated);
     RUN_TEST(the_next_solution_starts_from_the_last);
     RUN_TEST(the_chosen_dozen_is_nearly_as_good_as_all);
