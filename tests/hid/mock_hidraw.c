@@ -107,11 +107,11 @@ static gboolean on_ioctl(UMockdevIoctlBase *base, UMockdevIoctlClient *client, g
 /** Send the next input report, once the other end has read the one before it. */
 static void send_input(int master, int slave)
 {
-    int unread = 0;
     uint8_t bytes[OPMS_WIRE_SIZE];
-    /* Past umockdev, which would hand the request to the mocked device. */
-    if (syscall(SYS_ioctl, slave, FIONREAD, &unread) != 0 || unread > 0 ||
-        !mock_box_next_input(&box, bytes)) {
+    /* What was written lies in the kernel until a worker takes it over to the reader's side. poll()
+     * waits for that worker; FIONREAD does not, and says "all read" too early on a busy machine. */
+    struct pollfd unread = {slave, POLLIN, 0};
+    if (poll(&unread, 1, 0) != 0 || !mock_box_next_input(&box, bytes)) {
         return;
     }
     faults += write(master, bytes, sizeof bytes) != (ssize_t)sizeof bytes;
