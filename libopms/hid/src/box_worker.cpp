@@ -13,10 +13,9 @@ constexpr std::chrono::hours LONG(1);
 
 } // namespace
 
-bool BoxCore::may_fill(Clock::time_point now) const
+bool BoxCore::wants_fill() const
 {
-    return connected_ && history_wanted_ == 0 && now >= fill_after_ &&
-           (!new_gaps_.empty() || !fill_.is_idle());
+    return link_is_told_ && history_wanted_ == 0 && (!new_gaps_.empty() || !fill_.is_idle());
 }
 
 Clock::time_point BoxCore::next_wake() const
@@ -25,7 +24,7 @@ Clock::time_point BoxCore::next_wake() const
     if (connected_ && options_.ping_interval_ms) {
         wake = std::min(wake, next_ping_);
     }
-    if (connected_ && history_wanted_ == 0 && (!new_gaps_.empty() || !fill_.is_idle())) {
+    if (wants_fill()) {
         wake = std::min(wake, fill_after_);
     }
     return wake;
@@ -40,7 +39,7 @@ void BoxCore::work_thread()
             do_request(lock);
         } else if (connected_ && options_.ping_interval_ms && now >= next_ping_) {
             do_ping(lock);
-        } else if (may_fill(now)) {
+        } else if (wants_fill() && now >= fill_after_) {
             do_fill(lock);
         } else {
             changed_.wait_until(lock, next_wake());
