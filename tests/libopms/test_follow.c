@@ -70,7 +70,7 @@ static void assert_as_without_hint(const opms_transform_t *hint)
     TEST_ASSERT_EQUAL_MEMORY(&cold, &hinted, sizeof cold);
 }
 
-/** The hint led to the bar, to the same squares and, within what the noise leaves, the same pose. */
+/** The hint led to the bar, to the same squares and, within what noise leaves, the same pose. */
 static void assert_followed(const opms_transform_t *hint)
 {
     locate(hint, &hinted);

@@ -87,7 +87,7 @@ private:
     void do_request(Lock &lock);
     void do_ping(Lock &lock);
     void do_fill(Lock &lock);
-    bool wants_fill() const;
+    bool may_fill(Clock::time_point now) const;
     Clock::time_point next_wake() const;
 
     void start_thread(std::thread &thread, void (BoxCore::*body)());
@@ -108,7 +108,6 @@ private:
     bool opened_ = false;
     OpenResult outcome_ = {};
     bool connected_ = false;
-    bool link_is_told_ = false; /* that it is connected */
     uint32_t connection_ = 0; /* which one it is */
     opms_identity_report_t identity_ = {};
     Seen seen_ = {};

@@ -119,8 +119,6 @@ void BoxCore::set_connected(const opms_identity_report_t &identity)
         rebooted = tracker_.connected(identity.boot_id);
         seen_.armed_session_id = rebooted ? 0 : seen_.armed_session_id;
         ++connection_;
-        connected_ = true; // before it is told: who reads that may call at once
-        changed_.notify_all();
     }
     tell_link(OPMS_LINK_CONNECTED, identity.boot_id,
               "box " + hex_id(identity.unique_id) + " is connected");
@@ -128,7 +126,7 @@ void BoxCore::set_connected(const opms_identity_report_t &identity)
         tell_link(OPMS_LINK_REBOOTED, identity.boot_id, "the box has restarted while away");
     }
     const std::lock_guard<std::mutex> guard(mutex_);
-    link_is_told_ = true; // what is fetched from HISTORY must come after it
+    connected_ = true;
     changed_.notify_all();
 }
 
@@ -137,7 +135,6 @@ void BoxCore::set_disconnected()
     {
         const std::lock_guard<std::mutex> guard(mutex_);
         connected_ = false;
-        link_is_told_ = false;
         changed_.notify_all();
     }
     transport_->close();

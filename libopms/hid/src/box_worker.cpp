@@ -13,9 +13,10 @@ constexpr std::chrono::hours LONG(1);
 
 } // namespace
 
-bool BoxCore::wants_fill() const
+bool BoxCore::may_fill(Clock::time_point now) const
 {
-    return link_is_told_ && history_wanted_ == 0 && (!new_gaps_.empty() || !fill_.is_idle());
+    return connected_ && history_wanted_ == 0 && now >= fill_after_ &&
+           (!new_gaps_.empty() || !fill_.is_idle());
 }
 
 Clock::time_point BoxCore::next_wake() const
@@ -24,7 +25,7 @@ Clock::time_point BoxCore::next_wake() const
     if (connected_ && options_.ping_interval_ms) {
         wake = std::min(wake, next_ping_);
     }
-    if (wants_fill()) {
+    if (connected_ && history_wanted_ == 0 && (!new_gaps_.empty() || !fill_.is_idle())) {
         wake = std::min(wake, fill_after_);
     }
     return wake;
@@ -39,7 +40,7 @@ void BoxCore::work_thread()
             do_request(lock);
         } else if (connected_ && options_.ping_interval_ms && now >= next_ping_) {
             do_ping(lock);
-        } else if (wants_fill() && now >= fill_after_) {
+        } else if (may_fill(now)) {
             do_fill(lock);
         } else {
             changed_.wait_until(lock, next_wake());

@@ -43,8 +43,8 @@ typedef struct grey_levels {
 } grey_levels_t;
 
 /** Regressors of a stretch's least squares: white coverage, ground, slope of the coverage along the
- * normal, derivative of the coverage by the blur. */
-enum { W, K, G, H, REGRESSORS };
+ * normal, derivative of the coverage by the blur, slope of the code cells' part of it. */
+enum { W, K, G, H, C, REGRESSORS };
 
 typedef struct fit_sums {
     float n, i, ii;
@@ -74,6 +74,8 @@ typedef struct stretch {
     float along_mm;       /**< position of its middle along the side */
     float normal[2];      /**< outward, unit */
     float predicted[2];   /**< unshifted edge of the map at along_mm, px */
+    float by_blur;        /**< derivative of the offset by the blur it is measured with */
+    float by_cells;       /**< and by the place of the code cells beyond the side */
     float offset_px;      /**< measured edge from `predicted`, outward */
     float sigma_unit;     /**< standard deviation of the offset for noise of one grey level */
     float black;          /**< grey level */

@@ -7,8 +7,9 @@
 #include "bar/bar_code.h"
 #include "bar/clip_fit.h"
 #include "bar/correlation.h"
+#include "bar/map_fit.h"
+#include "bar/median.h"
 #include "bar/picture_shape.h"
-#include "algebra/spd.h"
 
 /* Passes of: measure the stretches where the map expects them, throw out those that cannot be a
  * side of this bar, fit map and common shift to the rest (Tukey's weights), take over the blur that
@@ -27,44 +28,12 @@
 #define UNSHAPED 0.1f       /* such a change at the end means that nothing settles */
 #define PASSES_MOST 5
 #define SETTLED_PX 0.02f    /* movement after which no further pass is needed */
+#define LINEAR_PX 0.045f     /* and where the offsets answer a movement to first order */
+#define LINEAR_BLUR 0.01f
 #define BORDER_REACH_PX 40.0 /* a square's middle may lie this far outside and a side be seen */
-#define SCALE_SAMPLE 160
-#define TUKEY 4.685f
 #define GOOD_LEAST 12
 #define LEVEL_SCATTER_LEAST 0.12f /* of black and white over the picture, in noises */
 #define SATURATED_LEAST 0.05 /* part of the pixels next to the sides that makes white saturated */
-
-/** Median by selection, in place: a few of the values end up in order, the rest does not. */
-static float median(float *values, int count)
-{
-    const int rank = count / 2;
-    int low = 0, high = count - 1;
-    while (low < high) {
-        const float pivot = values[(low + high) / 2];
-        int i = low, j = high;
-        while (i <= j) {
-            while (values[i] < pivot) {
-                ++i;
-            }
-            while (values[j] > pivot) {
-                --j;
-            }
-            if (i <= j) {
-                const float kept = values[i];
-                values[i++] = values[j];
-                values[j--] = kept;
-            }
-        }
-        if (rank <= j) {
-            high = j;
-        } else if (rank >= i) {
-            low = i;
-        } else {
-            break;
-        }
-    }
-    return values[rank];
-}
 
 /** Squares of a range that can be seen, at most `most` of them, evenly spread with both ends. */
 static int visible_squares(const edge_scene_t *scene, int from, int to, int most, int *index)
@@ -93,11 +62,6 @@ static void measure(const edge_scene_t *scene, const int *index, int count, bar_
     }
 }
 
-static float expected_shift(const edge_scene_t *scene, const stretch_t *s)
-{
-    return (float)(scene->shift_px * scene->shift_gain[s->side & 1]);
-}
-
 /** Mark the stretches that look like this bar's sides; returns how many. */
 static int select_good(bar_fit_t *fit, float contrast_least, float offset_most,
                        const edge_scene_t *scene)
@@ -115,21 +79,21 @@ static int select_good(bar_fit_t *fit, float contrast_least, float offset_most,
     if (n < GOOD_LEAST) {
         return 0;
     }
-    fit->contrast = median(scratch, n);
+    fit->contrast = median_of(scratch, n);
     n = 0;
     for (int i = 0; i < fit->count; ++i) {
-        fit->good[i] = fit->good[i] && fit->stretch[i].contrast > 0.3f * fit->contrast &&
-                       fit->stretch[i].contrast < 3.f * fit->contrast &&
-                       fabsf(fit->stretch[i].offset_px - expected_shift(scene, &fit->stretch[i])) <
-                           offset_most;
+        const stretch_t *s = &fit->stretch[i];
+        fit->good[i] = fit->good[i] && s->contrast > 0.3f * fit->contrast &&
+                       s->contrast < 3.f * fit->contrast &&
+                       fabsf(s->offset_px - map_expected_shift(scene, s)) < offset_most;
         if (fit->good[i]) {
-            scratch[n++] = fit->stretch[i].variance;
+            scratch[n++] = s->variance;
         }
     }
     if (n < GOOD_LEAST) {
         return 0;
     }
-    const float variance = median(scratch, n) + 0.08f; /* quantisation at the least */
+    const float variance = median_of(scratch, n) + 0.08f; /* quantisation at the least */
     fit->noise = sqrtf(variance);
     n = 0;
     for (int i = 0; i < fit->count; ++i) {
@@ -147,100 +111,12 @@ static int select_good(bar_fit_t *fit, float contrast_least, float offset_most,
     return n;
 }
 
-static void linearise(const edge_scene_t *scene, bar_fit_t *fit)
-{
-    for (int i = 0; i < fit->count; ++i) {
-        if (!fit->good[i]) {
-            continue;
-        }
-        const stretch_t *s = &fit->stretch[i];
-        const double square_y = BAR_PITCH_MM * (s->square - OPMS_BAR_ORIGIN);
-        const int along_y = s->side == 0 || s->side == 2;
-        const double at = (s->side < 2 ? -BAR_HALF_SQUARE_MM : BAR_HALF_SQUARE_MM);
-        double px[2], grad[16];
-        plane_map_gradient(&scene->map, scene->lens, along_y ? at : (double)s->along_mm,
-                           square_y + (along_y ? (double)s->along_mm : at), px, grad);
-        for (int k = 0; k < 8; ++k) {
-            fit->row[i][k] =
-                (float)((double)s->normal[0] * grad[k] + (double)s->normal[1] * grad[8 + k]);
-        }
-        fit->row[i][MAP_UNKNOWNS] = (float)scene->shift_gain[s->side & 1];
-        if (scene->clip < 1) {
-            clip_row(s, &fit->row[i][MAP_UNKNOWNS]);
-        }
-    }
-}
-
-/** Residuals of the good stretches for a change of the map; returns their robust scale in sigmas.
- */
-static float residuals(bar_fit_t *fit, const double *change, float *scratch)
-{
-    int n = 0;
-    for (int i = 0; i < fit->count; ++i) {
-        if (!fit->good[i]) {
-            continue;
-        }
-        double model = 0;
-        for (int k = 0; k < fit->unknowns; ++k) {
-            model += (double)fit->row[i][k] * change[k];
-        }
-        fit->residual[i] = fit->stretch[i].offset_px - (float)model;
-        if (n < SCALE_SAMPLE || i % 4 == 0) {
-            scratch[n++] = fabsf(fit->residual[i]) / fit->sigma[i];
-        }
-    }
-    const float scale = 1.4826f * median(scratch, n);
-    return scale < 1.f ? 1.f : scale;
-}
-
-/** Robust linear fit of the map and what is unknown of the picture; 0 when singular. */
-static int fit_map(const edge_scene_t *scene, bar_fit_t *fit, double change[FIT_UNKNOWNS_MOST],
-                   float *scale)
-{
-    const int n = fit->unknowns;
-    float scratch[OPMS_BAR_EDGES_MAX];
-    *scale = residuals(fit, change, scratch) * 3.f; /* wide at first */
-    for (int round = 0; round < 3; ++round) {
-        double normal[FIT_UNKNOWNS_MOST * FIT_UNKNOWNS_MOST] = {0}, rhs[FIT_UNKNOWNS_MOST] = {0};
-        for (int i = 0; i < fit->count; ++i) {
-            if (!fit->good[i]) {
-                continue;
-            }
-            const float z = fit->residual[i] / (fit->sigma[i] * *scale * TUKEY);
-            if (z * z >= 1.f) {
-                continue;
-            }
-            const float w = (1.f - z * z) * (1.f - z * z) / (fit->sigma[i] * fit->sigma[i]);
-            for (int j = 0; j < n; ++j) {
-                const double wr = (double)(w * fit->row[i][j]);
-                for (int k = 0; k <= j; ++k) {
-                    normal[n * j + k] += wr * (double)fit->row[i][k];
-                }
-                rhs[j] += wr * (double)fit->stretch[i].offset_px;
-            }
-        }
-        if (scene->clip < 1) {
-            clip_know(scene, fit, normal, rhs, n);
-        }
-        for (int j = 0; j < n; ++j) {
-            normal[n * j + j] *= 1 + 1e-9;
-        }
-        if (!spd_factor(normal, n, SPD_PIVOT_LEAST)) {
-            return 0;
-        }
-        spd_solve(normal, n, rhs);
-        memcpy(change, rhs, sizeof rhs);
-        *scale = residuals(fit, change, scratch);
-    }
-    return 1;
-}
-
 /** Drop what lies far from the fitted map, and find the range of squares that is confirmed. */
 static int confirm(bar_fit_t *fit, float scale, int *first, int *last)
 {
     int seen[OPMS_BAR_SQUARES] = {0}, n = 0;
     for (int i = 0; i < fit->count; ++i) {
-        if (fit->good[i] && fabsf(fit->residual[i]) > TUKEY * scale * fit->sigma[i]) {
+        if (fit->good[i] && fabsf(fit->residual[i]) > MAP_FIT_TUKEY * scale * fit->sigma[i]) {
             fit->good[i] = 0;
         }
         if (fit->good[i]) {
@@ -267,7 +143,7 @@ static float largest_change(const bar_fit_t *fit, const edge_scene_t *scene)
     for (int i = 0; i < fit->count; ++i) {
         if (fit->good[i]) {
             const float moved = fabsf(fit->stretch[i].offset_px - fit->residual[i] -
-                                     expected_shift(scene, &fit->stretch[i]));
+                                     map_expected_shift(scene, &fit->stretch[i]));
             most = moved > most ? moved : most;
         }
     }
@@ -308,12 +184,12 @@ static void learn_levels(bar_fit_t *fit)
             return;
         }
         own *= fit->noise * fit->noise / (float)n;
-        const float middle = median(fit->residual, n);
+        const float middle = median_of(fit->residual, n);
         for (int i = 0; i < n; ++i) {
             fit->residual[i] = fabsf(fit->residual[i] - middle);
         }
         /* Of what they scatter, their own noise says nothing of the light. */
-        const float scatter = 1.4826f * median(fit->residual, n);
+        const float scatter = 1.4826f * median_of(fit->residual, n);
         const float least = LEVEL_SCATTER_LEAST * fit->noise;
         const float light = fmaxf(scatter * scatter - own, least * least);
         levels.grey[white] = middle;
@@ -340,6 +216,19 @@ typedef struct scouting {
     pass_result_t result;
 } scouting_t;
 
+/** Take over the blur that the profiles ask for, and what it changes of the offsets: they are then
+ * as if they had been measured with it. */
+static void correct_blur(edge_scene_t *scene, bar_fit_t *fit)
+{
+    const double before[2] = {scene->blur_px[0], scene->blur_px[1]};
+    shape_update_blur(scene, fit);
+    for (int i = 0; i < fit->count; ++i) {
+        stretch_t *s = &fit->stretch[i];
+        const int family = s->side & 1;
+        s->offset_px -= s->by_blur * (float)(scene->blur_px[family] - before[family]);
+    }
+}
+
 /** One pass over the given squares; 0 when too little agrees. */
 static int run_pass(edge_scene_t *scene, const int *index, int count, float contrast,
                     float reach_px, bar_fit_t *fit, pass_result_t *result)
@@ -356,21 +245,22 @@ static int run_pass(edge_scene_t *scene, const int *index, int count, float cont
         }
     }
     fit->unknowns = scene->clip < 1 ? MAP_UNKNOWNS + CLIP_UNKNOWNS : MAP_UNKNOWNS + 1;
-    linearise(scene, fit);
+    const double blur[2] = {scene->blur_px[0], scene->blur_px[1]}, clip = scene->clip;
+    if (clip >= 1) {
+        correct_blur(scene, fit);
+    }
     double change[FIT_UNKNOWNS_MOST] = {0};
     float scale;
     change[MAP_UNKNOWNS] = scene->shift_px;
-    if (!fit_map(scene, fit, change, &scale)) {
+    if (!map_fit(scene, fit, change, &scale)) {
         return 0;
     }
     result->moved_px = largest_change(fit, scene);
-    const double blur[2] = {scene->blur_px[0], scene->blur_px[1]}, clip = scene->clip;
     if (clip < 1) {
         clip_take(scene, &change[MAP_UNKNOWNS]);
         scene->cut_noise = (double)(fit->noise / fit->contrast);
         shape_scale(scene, fit);
     } else {
-        shape_update_blur(scene, fit);
         shape_update_gain(scene, fit);
         scene->shift_px = change[MAP_UNKNOWNS];
     }
@@ -450,6 +340,16 @@ static int scout_clipped(edge_scene_t *scene, float contrast, bar_fit_t *fit,
     return found;
 }
 
+/** Is no further pass needed? Offsets of a picture that stood still and is not saturated are right
+ * to first order in what a pass finds; in others a pass builds on the last one's shape. */
+static int has_settled(const edge_scene_t *scene, const pass_result_t *result)
+{
+    if (scene->clip >= 1 && !edge_scene_moved(scene)) {
+        return result->moved_px < LINEAR_PX && result->blurred_px < LINEAR_BLUR;
+    }
+    return result->moved_px < SETTLED_PX && result->blurred_px < SHAPED;
+}
+
 map_verdict_t map_refine(edge_scene_t *scene, int first, int last, float contrast, bar_fit_t *fit)
 {
     scouting_t scouting = {clamp_index(first), clamp_index(last), 0, {0, 0, 0, 0}};
@@ -470,7 +370,7 @@ map_verdict_t map_refine(edge_scene_t *scene, int first, int last, float contras
         if (!run_pass(scene, index, count, contrast, 2.f, fit, &result)) {
             return MAP_LOST;
         }
-        if (result.moved_px < SETTLED_PX && result.blurred_px < SHAPED) {
+        if (has_settled(scene, &result)) {
             break;
         }
     }

@@ -10,7 +10,8 @@
  * and g = dw/ds: linear in black, contrast and contrast times offset. Next to the bar's border the
  * ground begins, of unknown brightness: one more step, k, with a height of its own. One more
  * regressor, h, the derivative of w by the blur, is not solved for here: what it would explain of
- * the residual is handed on, and summed over the picture by the caller. Pictures whose white
+ * the residual is handed on, and summed over the picture by the caller. So is what an error of the
+ * blur, and of the place of the code cells, makes of the offset. Pictures whose white
  * saturates are left to stretch_clip.c. */
 
 #define PIXELS_LEAST 10
@@ -26,8 +27,8 @@ typedef struct fit_pixels {
     float x[REGRESSORS][PIXELS_MAX];
 } fit_pixels_t;
 
-/** Sum up the columns; column K only where there is ground. */
-static void sum_pixels(const fit_pixels_t *pixels, int ground, fit_sums_t *sums)
+/** Sum up the columns; column K only where there is ground, C where there are cells. */
+static void sum_pixels(const fit_pixels_t *pixels, int ground, int cells, fit_sums_t *sums)
 {
     lanes_t i = {0}, ii = {0}, x[REGRESSORS] = {{0}}, xi[REGRESSORS] = {{0}},
             xx[REGRESSORS][REGRESSORS] = {{{0}}};
@@ -57,6 +58,12 @@ static void sum_pixels(const fit_pixels_t *pixels, int ground, fit_sums_t *sums)
             xx[K][K] += step * step;
             xx[G][K] += g * step;
             xx[H][K] += h * step;
+        }
+        if (cells) {
+            const lanes_t c = lanes_load(&pixels->x[C][k]);
+            x[C] += c;
+            xx[C][W] += c * w;
+            xx[C][G] += c * g;
         }
     }
     sums->n = (float)pixels->count;
@@ -161,23 +168,27 @@ static inline lanes_t corner_excess_lanes(lanes_t lean, lanes_t a, lanes_t densi
                                               lean * ab * (aa - 2.f) * (bb - 2.f) * (1.f / 24))));
 }
 
-/** White coverage of pixels, and its slope along the side's normal. */
-static inline lanes_t coverage(const side_model_t *model, const stretch_parts_t *parts, lanes_t s,
-                               lanes_t along, lanes_t *slope)
+/** White coverage of pixels, its slope along the side's normal, and that of the code cells' borders
+ * alone. */
+typedef struct coverage {
+    lanes_t white, slope, cells_slope;
+} coverage_t;
+
+static inline coverage_t coverage(const side_model_t *model, const stretch_parts_t *parts,
+                                  lanes_t s, lanes_t along)
 {
     const normal_lanes_t edge = edge_lanes_blurred(&model->blur, s);
     const float sigma = 1.f / model->per_sigma;
-    lanes_t w = edge.step;
-    *slope = edge.pulse;
+    coverage_t of = {edge.step, edge.pulse, lanes_of(0.f)};
     if (parts->end) {
         const lanes_t to_end = (model->end_at - lanes_abs(along)) * model->along_scale;
         const normal_lanes_t there = normal_lanes(to_end);
         const lanes_t lean =
             lanes_pick(along < 0.f, lanes_of(-model->lean), lanes_of(model->lean));
         const lanes_t z = s * model->per_sigma;
-        w = 1.f - (1.f - w) * there.step -
-            corner_excess_lanes(lean, -z, edge.pulse * sigma, to_end, there.pulse);
-        *slope *= there.step + lean * z * there.pulse;
+        of.white = 1.f - (1.f - edge.step) * there.step -
+                   corner_excess_lanes(lean, -z, edge.pulse * sigma, to_end, there.pulse);
+        of.slope *= there.step + lean * z * there.pulse;
     }
     if (parts->cells) {
         normal_lanes_t across = edge_lanes_blurred(&model->blur, s - model->cell_near);
@@ -187,10 +198,12 @@ static inline lanes_t coverage(const side_model_t *model, const stretch_parts_t 
             across.pulse -= far.pulse;
         }
         lanes_t ends;
-        w -= cells_at(model, &parts->cell_ends, along, &ends) * across.step;
-        w -= ends * across.pulse * (model->lean * sigma);
+        const lanes_t cells = cells_at(model, &parts->cell_ends, along, &ends);
+        of.white -= cells * across.step;
+        of.white -= ends * across.pulse * (model->lean * sigma);
+        of.cells_slope = cells * across.pulse;
     }
-    return w;
+    return of;
 }
 
 /** The regressors of all pixels. */
@@ -199,11 +212,13 @@ static void model_pixels(const side_model_t *model, const stretch_parts_t *parts
 {
     for (int k = 0; k < pixels->count; k += LANES) {
         const lanes_t s = lanes_load(&pixels->s[k]), along = lanes_load(&pixels->along[k]);
-        lanes_t slope;
-        const lanes_t w = coverage(model, parts, s, along, &slope);
-        lanes_store(&pixels->x[W][k], w);
-        lanes_store(&pixels->x[G][k], slope);
-        lanes_store(&pixels->x[H][k], s * slope * -model->per_sigma);
+        const coverage_t of = coverage(model, parts, s, along);
+        lanes_store(&pixels->x[W][k], of.white);
+        lanes_store(&pixels->x[G][k], of.slope);
+        lanes_store(&pixels->x[H][k], s * of.slope * -model->per_sigma);
+        if (parts->cells) {
+            lanes_store(&pixels->x[C][k], of.cells_slope);
+        }
         if (parts->ground) {
             lanes_store(&pixels->x[K][k],
                         edge_lanes_blurred(&model->blur, s - model->ground).step);
@@ -316,6 +331,7 @@ int stretch_solve(const grey_levels_t *levels, stretch_t *out)
     if (!(xx[G][G] > 1e-3 * whole[2])) {
         return 0;
     }
+    const double by_blur = xx[H][G] / xx[G][G], by_cells = xx[C][G] / xx[G][G];
     sweep(xx, xi, G);
     rss -= xi[G] * xi[G] / xx[G][G];
     double contrast, slope, height;
@@ -338,6 +354,9 @@ int stretch_solve(const grey_levels_t *levels, stretch_t *out)
     /* What of the residual the blur would explain. */
     out->blur_weight = (float)(contrast * contrast * (xx[H][H] > 0 ? xx[H][H] : 0));
     out->blur_slope = (float)(contrast * xi[H]);
+    /* H is swept of G by now: what was taken out is what the blur moves. */
+    out->by_blur = (float)-by_blur;
+    out->by_cells = (float)by_cells;
     return 1;
 }
 
@@ -351,5 +370,5 @@ void stretch_sum(const side_model_t *model, const fit_line_t *lines, int count, 
     stretch_parts_t parts = parts_of(model, &pixels);
     parts.ground = out->ground;
     model_pixels(model, &parts, &pixels);
-    sum_pixels(&pixels, out->ground, &out->sums);
+    sum_pixels(&pixels, out->ground, parts.cells, &out->sums);
 }
