@@ -12,7 +12,7 @@ import sys
 from pathlib import Path, PurePosixPath
 
 KITS = {"algebra", "image", "lens", "wire"}
-STAGES = {"bar", "calib", "grid", "pair", "pose"}
+STAGES = {"bar", "calib", "exposure", "grid", "pair", "pose"}
 # What a folder of libopms/src may include from other folders of libopms/src.
 MAY_USE = {
     "base": set(),
@@ -31,6 +31,7 @@ AFTER = {
     "wire": set(),  # check_wire() is stricter
     "bar": {"wire.h", "pose.h", "locate.h", "opms.h"},
     "pose": {"wire.h", "locate.h", "opms.h"},
+    "exposure": {"wire.h", "pair.h", "pose.h", "calib.h", "locate.h", "opms.h"},
     "grid": {"wire.h", "bar.h", "pose.h", "calib.h", "locate.h", "opms.h"},
     "calib": {"wire.h", "bar.h", "locate.h", "opms.h"},
     "pair": {"lens.h", "bar.h", "pose.h", "locate.h", "calib.h", "opms.h"},  # wire.h: its input

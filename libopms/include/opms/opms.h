@@ -12,6 +12,7 @@
 #include <opms/pair.h>
 #include <opms/lens.h>
 #include <opms/bar.h>
+#include <opms/exposure.h>
 #include <opms/pose.h>
 #include <opms/locate.h>
 #include <opms/grid.h>
