@@ -63,13 +63,15 @@ AT(opms_lens_t, p2, 64);
 SIZE(opms_transform_t, 96);
 AT(opms_transform_t, t_m, 72);
 
-SIZE(opms_camera_t, 984);
+SIZE(opms_camera_t, 1368);
 AT(opms_camera_t, has_covariance_intrinsics, 72);
 AT(opms_camera_t, has_detector_camera, 76);
 AT(opms_camera_t, has_covariance_detector_camera, 80);
+AT(opms_camera_t, has_covariance_detector_camera_intrinsics, 84);
 AT(opms_camera_t, covariance_intrinsics, 88);
 AT(opms_camera_t, detector_camera, 600);
 AT(opms_camera_t, covariance_detector_camera, 696);
+AT(opms_camera_t, covariance_detector_camera_intrinsics, 984);
 
 SIZE(opms_square_t, 72);
 AT(opms_square_t, edges, 4);

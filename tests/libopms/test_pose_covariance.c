@@ -205,6 +205,109 @@ static void test_the_detectors_covariance_is_true_with_intrinsics_and_mounting(v
     expect_calibrated();
 }
 
+/* A mounting found through the very lens that it is used with: what the lens does to the pose of a
+ * picture it does to the mounting that is found from that picture. Here that is one of a bar, seen
+ * from the middle of the working volume with the head level, so that the axes are the same.
+ * `by_lens` is d(w, d)/d(intrinsics). */
+static void mounting_by_lens(const opms_lens_t *lens, const opms_transform_t *mounting,
+                             double by_lens[6][8])
+{
+    const opms_transform_t detector = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0.35, 0.0, 0.05}};
+    const opms_transform_t truth = truth_bar_camera(&detector, mounting, 0.0);
+    opms_pose_result_t view;
+    const uint32_t count = truth_edges(lens, &truth, 0, 32, 3, edges);
+    TEST_ASSERT_EQUAL(OPMS_OK, opms_pose_solve(lens, edges, count, NULL, &view, &err));
+    memcpy(by_lens, view.intrinsics_jacobian, sizeof view.intrinsics_jacobian);
+}
+
+/* covariance = own variances + by_lens C by_lens^T, shared = by_lens C */
+static void mounting_covariances(const double by_lens[6][8], const double own[6],
+                                 opms_camera_t *camera)
+{
+    double *const shared = camera->covariance_detector_camera_intrinsics;
+    for (int i = 0; i < 48; ++i) {
+        shared[i] = 0.0;
+        for (int k = 0; k < 8; ++k) {
+            shared[i] += by_lens[i / 8][k] * camera->covariance_intrinsics[8 * k + i % 8];
+        }
+    }
+    for (int i = 0; i < 36; ++i) {
+        camera->covariance_detector_camera[i] = i % 7 ? 0.0 : own[i / 6] * own[i / 6];
+        for (int k = 0; k < 8; ++k) {
+            camera->covariance_detector_camera[i] += shared[8 * (i / 6) + k] * by_lens[i % 6][k];
+        }
+    }
+}
+
+static outcome_t run_calibrated(uint64_t *random, const double l[8][8], opms_camera_t *camera,
+                                int shared)
+{
+    static const double own[6] = {3e-4, 3e-4, 3e-4, 1e-4, 1e-4, 1e-4};
+    const disturbance_t by = {1.0, 0.0, 0.0};
+    const opms_lens_t lens = truth_lens();
+    const opms_transform_t mounting = truth_mounting();
+    const opms_transform_t detector = truth_detector(random, 0.1);
+    const opms_transform_t truth = truth_bar_camera(&detector, &mounting, 0.0);
+    double by_lens[6][8], error[6], turn[9];
+    opms_pose_result_t result;
+    opms_pose_t found;
+    mounting_by_lens(&lens, &mounting, by_lens);
+    mounting_covariances((const double(*)[8])by_lens, own, camera);
+    const uint32_t count = measure(random, &lens, &truth, by);
+    camera->lens = lens;
+    draw_intrinsics(random, l, &camera->lens);
+    for (int i = 0; i < 6; ++i) {
+        error[i] = own[i] * truth_gauss(random);
+        for (int k = 0; k < 8; ++k) {
+            opms_lens_t right = lens;
+            error[i] += by_lens[i][k] *
+                        (*truth_intrinsic(&camera->lens, k) - *truth_intrinsic(&right, k));
+        }
+    }
+    truth_rotation(error, turn);
+    truth_multiply(mounting.R, turn, camera->detector_camera.R);
+    for (int i = 0; i < 3; ++i) {
+        camera->detector_camera.t_m[i] = mounting.t_m[i] + error[3 + i];
+    }
+    camera->has_covariance_detector_camera_intrinsics = (uint32_t)shared;
+    TEST_ASSERT_EQUAL(OPMS_OK, opms_pose_solve(&camera->lens, edges, count, NULL, &result, &err));
+    TEST_ASSERT_EQUAL(OPMS_POSE_FOUND, result.state);
+    TEST_ASSERT_EQUAL_MESSAGE(OPMS_OK,
+                              opms_pose_detector(&result, camera, 0.0, &found, NULL, &err),
+                              err.message);
+    return compare(&found, &detector);
+}
+
+static double run_calibrated_camera(int shared)
+{
+    uint64_t random = 6;
+    double l[8][8], sigma = 0.0;
+    opms_camera_t camera = {0};
+    camera.has_detector_camera = camera.has_covariance_intrinsics = 1;
+    camera.has_covariance_detector_camera = 1;
+    make_factor(&random, l, camera.covariance_intrinsics);
+    for (int i = 0; i < RUNS; ++i) {
+        outcomes[i] = run_calibrated(&random, (const double(*)[8])l, &camera, shared);
+        sigma += outcomes[i].sigma_m / RUNS;
+    }
+    return sigma;
+}
+
+static void test_a_mounting_found_through_the_lens_takes_part_of_its_error_back(void)
+{
+    const double apart = run_calibrated_camera(0);
+    double held = 0.0;
+    for (int i = 0; i < RUNS; ++i) {
+        held += outcomes[i].chi2_6 < CHI2_6_95;
+    }
+    const double together = run_calibrated_camera(1);
+    printf("as if lens and mounting were independent: held %.3f, sigma %.3f mm instead of %.3f\n",
+           held / RUNS, 1e3 * apart, 1e3 * together);
+    TEST_ASSERT_TRUE(held / RUNS > 0.98); /* too large */
+    TEST_ASSERT_TRUE(together < 0.75 * apart);
+    expect_calibrated();
+}
+
 static void test_the_jacobian_by_the_intrinsics_agrees_with_a_new_solution(void)
 {
     uint64_t random = 5;
@@ -246,6 +349,7 @@ int main(void)
     RUN_TEST(test_the_stated_covariance_is_true_with_one_outlier_in_ten);
     RUN_TEST(test_the_stated_covariance_grows_with_noise_above_the_stated);
     RUN_TEST(test_the_detectors_covariance_is_true_with_intrinsics_and_mounting);
+    RUN_TEST(test_a_mounting_found_through_the_lens_takes_part_of_its_error_back);
     RUN_TEST(test_the_jacobian_by_the_intrinsics_agrees_with_a_new_solution);
     return UNITY_END();
 }

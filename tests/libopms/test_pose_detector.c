@@ -164,6 +164,32 @@ static void test_the_intrinsics_covariance_is_added_when_the_camera_holds_it(voi
     TEST_ASSERT_DOUBLE_WITHIN(1e-12, 0.14e-4, grown);
 }
 
+/* dm = A dk of the mounting and dy = J dk of the view, by the same dk. */
+static void test_what_mounting_and_lens_share_counts_with_its_sign(void)
+{
+    opms_pose_t apart, together;
+    view.bar_camera.transform = rendered_bar_camera;
+    camera.has_covariance_intrinsics = camera.has_covariance_detector_camera = 1;
+    camera.covariance_intrinsics[0] = 1.0; /* of fx alone */
+    for (int i = 0; i < 6; ++i) {
+        view.intrinsics_jacobian[8 * i] = 1e-4 * (i + 1);
+        camera.covariance_detector_camera_intrinsics[8 * i] = 1e-4 * (i + 1);
+        for (int j = 0; j < 6; ++j) {
+            camera.covariance_detector_camera[6 * i + j] = 1e-8 * (i + 1) * (j + 1);
+        }
+    }
+    TEST_ASSERT_EQUAL(OPMS_OK, opms_pose_detector(&view, &camera, 0.3, &apart, NULL, &err));
+    camera.has_covariance_detector_camera_intrinsics = 1;
+    TEST_ASSERT_EQUAL_MESSAGE(OPMS_OK,
+                              opms_pose_detector(&view, &camera, 0.3, &together, NULL, &err),
+                              err.message);
+    for (int i = 0; i < 3; ++i) {
+        TEST_ASSERT_TRUE(apart.covariance[7 * i] > 1e-9);
+        /* turned alike, camera and mounting leave the detector where it was */
+        TEST_ASSERT_DOUBLE_WITHIN(1e-15, 0.0, together.covariance[7 * i]);
+    }
+}
+
 static void expect_refused(double tilt_rad, const char *what)
 {
     opms_pose_t found;
@@ -255,6 +281,40 @@ static void test_each_wrong_part_of_a_camera_is_named(void)
     expect_camera_error(OPMS_ERR_ARG, "negative variance in some direction");
 }
 
+static void fill_sound_covariances(void)
+{
+    camera.has_covariance_intrinsics = camera.has_covariance_detector_camera = 1;
+    camera.has_covariance_detector_camera_intrinsics = 1;
+    for (int i = 0; i < 8; ++i) {
+        camera.covariance_intrinsics[9 * i] = i < 4 ? 0.04 : 1e-8;
+    }
+    for (int i = 0; i < 6; ++i) {
+        camera.covariance_detector_camera[7 * i] = 1e-6;
+    }
+}
+
+static void test_what_mounting_and_lens_share_must_fit_both(void)
+{
+    double *const shared = camera.covariance_detector_camera_intrinsics;
+    fill_sound_covariances();
+    shared[8 * 1 + 2] = 0.9 * 1e-3 * 0.2; /* a correlation of 0.9 */
+    TEST_ASSERT_EQUAL_MESSAGE(OPMS_OK, opms_camera_check(&camera, &err), err.message);
+    shared[8 * 1 + 3] = 0.9 * 1e-3 * 0.2; /* with two that are independent of each other */
+    expect_camera_error(OPMS_ERR_ARG, "covariance_detector_camera_intrinsics, joined with");
+    fill_sound_covariances();
+    shared[8 * 4 + 0] = 1.1 * 1e-3 * 0.2;
+    expect_camera_error(OPMS_ERR_ARG, "correlation above 1");
+    fill_sound_covariances();
+    shared[47] = NAN;
+    expect_camera_error(OPMS_ERR_ARG, "is not finite");
+    fill_sound_covariances();
+    camera.has_covariance_intrinsics = 0;
+    expect_camera_error(OPMS_ERR_ARG, "stands without covariance_intrinsics");
+    fill_sound_covariances();
+    camera.has_covariance_detector_camera = 0;
+    expect_camera_error(OPMS_ERR_ARG, "stands without covariance_detector_camera");
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -263,8 +323,10 @@ int main(void)
     RUN_TEST(test_the_views_covariance_goes_through_exact_gradients);
     RUN_TEST(test_the_mountings_covariance_goes_through_exact_gradients);
     RUN_TEST(test_the_intrinsics_covariance_is_added_when_the_camera_holds_it);
+    RUN_TEST(test_what_mounting_and_lens_share_counts_with_its_sign);
     RUN_TEST(test_each_wrong_argument_of_the_detectors_pose_is_named);
     RUN_TEST(test_a_good_camera_passes);
     RUN_TEST(test_each_wrong_part_of_a_camera_is_named);
+    RUN_TEST(test_what_mounting_and_lens_share_must_fit_both);
     return UNITY_END();
 }

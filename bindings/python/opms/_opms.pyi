@@ -204,11 +204,12 @@ class Camera:
     A value: it never changes, any thread may use it. opms.load_camera() reads one from a file.
     """
 
-    def __init__(self, lens: Lens, *, R_detector_camera: Annotated[NDArray[numpy.float64], dict(shape=(3, 3), order='C', device='cpu', writable=False)] | None = None, t_detector_camera_m: Annotated[NDArray[numpy.float64], dict(shape=(3), order='C', device='cpu', writable=False)] | None = None, covariance_intrinsics: Annotated[NDArray[numpy.float64], dict(shape=(8, 8), order='C', device='cpu', writable=False)] | None = None, covariance_detector_camera: Annotated[NDArray[numpy.float64], dict(shape=(6, 6), order='C', device='cpu', writable=False)] | None = None) -> None:
+    def __init__(self, lens: Lens, *, R_detector_camera: Annotated[NDArray[numpy.float64], dict(shape=(3, 3), order='C', device='cpu', writable=False)] | None = None, t_detector_camera_m: Annotated[NDArray[numpy.float64], dict(shape=(3), order='C', device='cpu', writable=False)] | None = None, covariance_intrinsics: Annotated[NDArray[numpy.float64], dict(shape=(8, 8), order='C', device='cpu', writable=False)] | None = None, covariance_detector_camera: Annotated[NDArray[numpy.float64], dict(shape=(6, 6), order='C', device='cpu', writable=False)] | None = None, covariance_detector_camera_intrinsics: Annotated[NDArray[numpy.float64], dict(shape=(6, 8), order='C', device='cpu', writable=False)] | None = None) -> None:
         """
         R_detector_camera: (3, 3) and t_detector_camera_m: (3,) take the camera's frame
         to the detector's. covariance_intrinsics: (8, 8) in the order fx fy cx cy k1 k2 p1 p2;
-        covariance_detector_camera: (6, 6) of (w, d) as in Pose.covariance.
+        covariance_detector_camera: (6, 6) of (w, d) as in Pose.covariance;
+        covariance_detector_camera_intrinsics: (6, 8), that of the latter with the former.
         """
 
     def check(self) -> None:
@@ -231,6 +232,12 @@ class Camera:
     @property
     def covariance_detector_camera(self) -> Annotated[NDArray[numpy.float64], dict(shape=(6, 6), writable=False)] | None:
         """Covariance of (w, d) of the camera on the detector, (6, 6), or None."""
+
+    @property
+    def covariance_detector_camera_intrinsics(self) -> Annotated[NDArray[numpy.float64], dict(shape=(6, 8), writable=False)] | None:
+        """
+        Covariance of (w, d) of the camera on the detector with the intrinsics, (6, 8), or None.
+        """
 
 class PoseState(enum.IntEnum):
     """Outcome of pose_solve()."""

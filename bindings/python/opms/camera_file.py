@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Reads a camera file: a ROS ``camera_info`` YAML with one more mapping, ``opms``."""
+"""Reads a camera file: a ROS ``camera_info`` YAML with one more mapping, ``opms``; or one of OpenCV
+or Kalibr."""
 
 from __future__ import annotations
 
@@ -13,6 +14,7 @@ import numpy.typing as npt
 import yaml
 
 from opms._opms import Camera, Lens, Status
+from opms.camera_formats import camera_document
 from opms.errors import Error
 
 _FloatArray = npt.NDArray[np.float64]
@@ -21,9 +23,12 @@ _FloatArray = npt.NDArray[np.float64]
 def load_camera(path: str | os.PathLike[str]) -> Camera:
     """Read a camera file.
 
+    What OpenCV's FileStorage (YAML, XML) and Kalibr write is read, too: the content says which it
+    is.
     The distortion model must be ``plumb_bob`` with k3 = 0. Of the mapping ``opms`` these keys are
     used, each optional: ``R_detector_camera`` (9 numbers, row-major) with ``t_detector_camera_m``
-    (3), ``covariance_intrinsics`` (64) and ``covariance_detector_camera`` (36).
+    (3), ``covariance_intrinsics`` (64), ``covariance_detector_camera`` (36) and, where both of
+    these are there, ``covariance_detector_camera_intrinsics`` (48).
 
     Args:
         path: The YAML file.
@@ -42,9 +47,11 @@ def load_camera(path: str | os.PathLike[str]) -> Camera:
         data = stream.read()
     reader = _Reader(os.fspath(path))
     try:
-        document = yaml.safe_load(data)
-    except (yaml.YAMLError, UnicodeDecodeError, ValueError, RecursionError) as cause:
+        document = camera_document(data)
+    except (yaml.YAMLError, UnicodeDecodeError, RecursionError) as cause:
         reader.fail(f"not a YAML file: {' '.join(str(cause).split())}")
+    except ValueError as cause:
+        reader.fail(" ".join(str(cause).split()))
     if not isinstance(document, dict):
         reader.fail("holds no mapping")
     return reader.camera(document)
@@ -82,12 +89,21 @@ class _Reader:
                     "there will be no detector pose"
                 )
             rotation = translation = covariance = None
+        intrinsics = self._optional(extra, "covariance_intrinsics", (8, 8))
+        shared = self._optional(extra, "covariance_detector_camera_intrinsics", (6, 8))
+        if shared is not None and (covariance is None or intrinsics is None):
+            self._warn(
+                "opms.covariance_detector_camera_intrinsics needs covariance_detector_camera and "
+                "covariance_intrinsics: it is left out"
+            )
+            shared = None
         camera = Camera(
             self._lens(document),
             R_detector_camera=rotation,
             t_detector_camera_m=translation,
-            covariance_intrinsics=self._optional(extra, "covariance_intrinsics", (8, 8)),
+            covariance_intrinsics=intrinsics,
             covariance_detector_camera=covariance,
+            covariance_detector_camera_intrinsics=shared,
         )
         try:
             camera.check()

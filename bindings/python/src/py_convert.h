@@ -18,6 +18,7 @@ namespace nb = nanobind;
 using PyMatrix3 = nb::ndarray<const double, nb::shape<3, 3>, nb::c_contig, nb::device::cpu>;
 using PyVector3 = nb::ndarray<const double, nb::shape<3>, nb::c_contig, nb::device::cpu>;
 using PyMatrix6 = nb::ndarray<const double, nb::shape<6, 6>, nb::c_contig, nb::device::cpu>;
+using PyMatrix68 = nb::ndarray<const double, nb::shape<6, 8>, nb::c_contig, nb::device::cpu>;
 using PyMatrix8 = nb::ndarray<const double, nb::shape<8, 8>, nb::c_contig, nb::device::cpu>;
 using PyImage = nb::ndarray<nb::ro, nb::device::cpu>;
 using PyRoi = std::optional<std::array<int32_t, 4>>;

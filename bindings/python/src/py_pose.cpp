@@ -52,13 +52,19 @@ void init_camera(opms_camera_t *self, const opms_lens_t &lens,
                  const std::optional<PyMatrix3> &R_detector_camera,
                  const std::optional<PyVector3> &t_detector_camera_m,
                  const std::optional<PyMatrix8> &covariance_intrinsics,
-                 const std::optional<PyMatrix6> &covariance_detector_camera)
+                 const std::optional<PyMatrix6> &covariance_detector_camera,
+                 const std::optional<PyMatrix68> &covariance_detector_camera_intrinsics)
 {
     if (R_detector_camera.has_value() != t_detector_camera_m.has_value()) {
         throw nb::value_error("R_detector_camera and t_detector_camera_m need each other");
     }
     if (covariance_detector_camera && !R_detector_camera) {
         throw nb::value_error("covariance_detector_camera needs R_detector_camera");
+    }
+    if (covariance_detector_camera_intrinsics &&
+        !(covariance_detector_camera && covariance_intrinsics)) {
+        throw nb::value_error("covariance_detector_camera_intrinsics needs covariance_intrinsics "
+                              "and covariance_detector_camera");
     }
     new (self) opms_camera_t();
     self->lens = lens;
@@ -74,6 +80,11 @@ void init_camera(opms_camera_t *self, const opms_lens_t &lens,
     if (covariance_detector_camera) {
         self->has_covariance_detector_camera = 1;
         copy_out(*covariance_detector_camera, self->covariance_detector_camera);
+    }
+    if (covariance_detector_camera_intrinsics) {
+        self->has_covariance_detector_camera_intrinsics = 1;
+        copy_out(*covariance_detector_camera_intrinsics,
+                 self->covariance_detector_camera_intrinsics);
     }
 }
 
@@ -94,9 +105,11 @@ A value: it never changes, any thread may use it. opms.load_camera() reads one f
         .def("__init__", &init_camera, "lens"_a, nb::kw_only(),
              "R_detector_camera"_a = nb::none(), "t_detector_camera_m"_a = nb::none(),
              "covariance_intrinsics"_a = nb::none(), "covariance_detector_camera"_a = nb::none(),
+             "covariance_detector_camera_intrinsics"_a = nb::none(),
              R"(R_detector_camera: (3, 3) and t_detector_camera_m: (3,) take the camera's frame
 to the detector's. covariance_intrinsics: (8, 8) in the order fx fy cx cy k1 k2 p1 p2;
-covariance_detector_camera: (6, 6) of (w, d) as in Pose.covariance.)")
+covariance_detector_camera: (6, 6) of (w, d) as in Pose.covariance;
+covariance_detector_camera_intrinsics: (6, 8), that of the latter with the former.)")
         .def("check", &check_camera,
              "Check lens, rotation and covariances. Raises Error (ERR_ARG or ERR_DOMAIN).")
         .def_ro("lens", &opms_camera_t::lens, "The lens.")
@@ -126,7 +139,19 @@ covariance_detector_camera: (6, 6) of (w, d) as in Pose.covariance.)")
                                  py_view<6, 6>(self, self.covariance_detector_camera))
                            : std::nullopt;
             },
-            "Covariance of (w, d) of the camera on the detector, (6, 6), or None.");
+            "Covariance of (w, d) of the camera on the detector, (6, 6), or None.")
+        .def_prop_ro(
+            "covariance_detector_camera_intrinsics",
+            [](opms_camera_t &self) {
+                using Array =
+                    decltype(py_view<6, 8>(self, self.covariance_detector_camera_intrinsics));
+                return self.has_covariance_detector_camera_intrinsics
+                           ? std::optional<Array>(
+                                 py_view<6, 8>(self, self.covariance_detector_camera_intrinsics))
+                           : std::nullopt;
+            },
+            "Covariance of (w, d) of the camera on the detector with the intrinsics, (6, 8), "
+            "or None.");
 }
 
 void bind_result(nb::module_ &module)

@@ -171,8 +171,8 @@ typedef struct opms_footprint {
 /** Camera to detector from pictures on footprints.
  *
  * @param footprints  `count` >= 1; of pictures that the last solution used.
- * @param[in,out] camera  lens, covariance_intrinsics, detector_camera and its covariance are
- *                        filled in from the last solution.
+ * @param[in,out] camera  lens, detector_camera and all three covariances are filled in from the
+ *                        last solution.
  * @return OPMS_OK; OPMS_ERR_ARG (err->index is the footprint); OPMS_ERR_DOMAIN before a solution.
  * @since 0.3 */
 OPMS_API opms_status_t opms_calibrator_camera(const opms_calibrator_t *calibrator,
@@ -210,6 +210,60 @@ OPMS_API opms_status_t opms_calibrator_foresee(const opms_calibrator_t *calibrat
                                                const opms_calib_view_t *view,
                                                opms_calib_foresight_t *foresight,
                                                opms_error_t *err);
+
+/** Limits of chi2 that one camera in 1000 exceeds by chance where nothing was touched. */
+#define OPMS_CALIB_CHI2_LENS 26.12     /**< 8 degrees of freedom */
+#define OPMS_CALIB_CHI2_MOUNTING 22.46 /**< 6 degrees of freedom */
+
+/** What new pictures say of a lens that was calibrated before. */
+typedef struct opms_calib_lens_check {
+    uint32_t pictures_used;
+    uint32_t points_used;        /**< with a robust weight above one half */
+    uint32_t outliers;
+    double residual_rms_px;      /**< RMS length of the residuals, the lens as stated */
+    double residual_free_rms_px; /**< the lens free, too: what the points are good for */
+    /** Standard deviation of the points over the stated one, never below 1: from the residuals with
+     * the lens free, and from how alike neighbours are. Everything here allows for it. */
+    double noise_factor;
+    double chi2;                 /**< of 8: above OPMS_CALIB_CHI2_LENS the stated lens is wrong */
+    double change[8];            /**< of fx fy cx cy k1 k2 p1 p2 that would explain the points */
+    /** Smallest changes that these pictures would show 19 times of 20: of fx and fy alike, in parts
+     * of them; of cx and of cy in px. Each is relative to what the pose cannot feign. */
+    double shows_focal, shows_centre_px[2];
+} opms_calib_lens_check_t;
+
+/** What a picture on a footprint says of a mounting that was found before. */
+typedef struct opms_calib_mounting_check {
+    opms_transform_t detector_camera; /**< as this picture has it, through the stated lens */
+    double change[6];      /**< (w, d) from the stated mounting to this one, rad and m */
+    double covariance[36]; /**< of the change where nothing moved, the placing included */
+    double chi2;           /**< of 6: above OPMS_CALIB_CHI2_MOUNTING the camera has moved */
+    /** Smallest turn of the camera about the detector's X, Y, Z, and smallest shift along them,
+     * that would show 19 times of 20. */
+    double shows_turn_rad[3], shows_shift_m[3];
+} opms_calib_mounting_check_t;
+
+/** Does a camera that was calibrated before still hold? One picture is enough for an answer, though
+ * not always for a sharp one: see shows_focal and its neighbours.
+ *
+ * The poses are found with the stated lens; what is left of the residuals is compared with what the
+ * lens's covariance and the points' noise allow. A solution of the handle is lost; the next
+ * opms_calibrator_solve() starts afresh. opms_calibrator_picture() and opms_calibrator_residuals()
+ * then tell of the stated lens.
+ *
+ * @param camera      As it was calibrated; its lens is exact where it holds no covariance.
+ * @param footprints  NULL, or `count` pictures whose place is known; camera then needs
+ *                    has_detector_camera.
+ * @param[out] lens   Not NULL.
+ * @param[out] mountings  `count` answers; not NULL where count is not 0.
+ * @return OPMS_OK (whatever the answer); OPMS_ERR_ARG (err->index is the footprint);
+ *         OPMS_ERR_DOMAIN where no picture is seen by such a lens at all. @since 0.3 */
+OPMS_API opms_status_t opms_calibrator_check(opms_calibrator_t *calibrator,
+                                             const opms_camera_t *camera,
+                                             const opms_footprint_t *footprints, uint32_t count,
+                                             opms_calib_lens_check_t *lens,
+                                             opms_calib_mounting_check_t *mountings,
+                                             opms_error_t *err);
 
 #ifdef __cplusplus
 }

@@ -69,7 +69,8 @@ enum {
 /** Pose of the detector in the ground frame from the pose of the camera in the bar frame.
  *
  * @param bar_camera   A result whose state is OPMS_POSE_FOUND.
- * @param camera       With has_detector_camera; covariances it holds are added.
+ * @param camera       With has_detector_camera; covariances it holds are added, that of mounting
+ *                     and intrinsics with its sign: of a calibrated camera it lowers the sum.
  * @param bar_tilt_rad Positive: printed face turned away from the operator,
  *                     R_ground_bar = Ry(-tilt); -pi/2 to pi/2.
  * @param[out] ground_detector  Detector to ground, covariance of the same convention.
@@ -82,7 +83,8 @@ OPMS_API opms_status_t opms_pose_detector(const opms_pose_result_t *bar_camera,
                                           opms_error_t *err);
 
 /** Check a camera: its lens, rotation (orthonormal to 1e-6, right-handed) and covariances (finite,
- * symmetric, no negative variance).
+ * symmetric, no negative variance in any direction; lens and mounting together, too, where
+ * covariance_detector_camera_intrinsics is there).
  * @return OPMS_OK, OPMS_ERR_ARG or OPMS_ERR_DOMAIN. @since 0.1 */
 OPMS_API opms_status_t opms_camera_check(const opms_camera_t *camera, opms_error_t *err);
 

@@ -62,10 +62,14 @@ typedef struct opms_camera {
     uint32_t has_covariance_intrinsics;
     uint32_t has_detector_camera;
     uint32_t has_covariance_detector_camera;
-    uint32_t reserved;
+    uint32_t has_covariance_detector_camera_intrinsics; /**< needs both of the others */
     double covariance_intrinsics[64]; /**< order fx fy cx cy k1 k2 p1 p2, px and 1 */
     opms_transform_t detector_camera; /**< camera to detector */
     double covariance_detector_camera[36]; /**< of (w, d) as opms_pose_t's, rad and m */
+    /** 6 x 8 row-major covariance of detector_camera's (w, d) with the intrinsics, in the orders of
+     * the two above. A mounting found through this very lens shares its errors; a pose seen through
+     * it does, too, and much of both cancels. */
+    double covariance_detector_camera_intrinsics[48];
 } opms_camera_t;
 
 #ifdef __cplusplus

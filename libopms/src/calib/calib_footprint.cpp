@@ -9,6 +9,7 @@
 #include "algebra/spd.h"
 #include "base/fail.h"
 #include "calib/calib_covariance.h"
+#include "calib/calib_sight.h"
 
 #define STAGE "calib"
 
@@ -17,51 +18,6 @@ using opms::algebra::RowMajor;
 
 namespace
 {
-
-/* One footprint's view of the transform: (w, d) of it as functions of the pose's (w, d) and of the
- * placing's (x, y, yaw). */
-struct Sight {
-    Rigid detector_camera;
-    Mat6 by_pose;
-    Eigen::Matrix<double, 6, 3> by_placing;
-};
-
-Sight sight_of(const Picture &picture, const opms_footprint_t &footprint)
-{
-    Sight sight;
-    const double c = std::cos(footprint.yaw_rad), s = std::sin(footprint.yaw_rad);
-    Mat3 detector_target;
-    detector_target << c, s, 0.0, -s, c, 0.0, 0.0, 0.0, 1.0;
-    const Vec3 place(footprint.x_m, footprint.y_m, 0.0);
-    sight.detector_camera.R = detector_target * picture.pose.R;
-    sight.detector_camera.t = detector_target * (picture.pose.t - place);
-    sight.by_pose.setIdentity();
-    sight.by_pose.bottomRightCorner<3, 3>() = detector_target;
-    // The head is truly further on by (dx, dy) and turned by dyaw: seen from it, all is less so.
-    sight.by_placing.setZero();
-    sight.by_placing.bottomLeftCorner<3, 2>() = -detector_target.leftCols<2>();
-    const Vec3 up = Vec3::UnitZ();
-    sight.by_placing.col(2).head<3>() = -(sight.detector_camera.R.transpose() * up);
-    sight.by_placing.col(2).tail<3>() = -up.cross(sight.detector_camera.t);
-    return sight;
-}
-
-Mat6 own_covariance(const Picture &picture, const opms_footprint_t &footprint, const Sight &sight)
-{
-    Vec3 placing(footprint.sigma_m, footprint.sigma_m, footprint.sigma_rad);
-    placing = placing.cwiseAbs2();
-    return sight.by_pose * picture.pose_covariance * sight.by_pose.transpose() +
-           sight.by_placing * placing.asDiagonal() * sight.by_placing.transpose();
-}
-
-/* (w, d) from one transform to another. */
-Vec6 difference(const Rigid &from, const Rigid &to)
-{
-    Vec6 step;
-    step.head<3>() = opms::algebra::rotation_log(from.R.transpose() * to.R);
-    step.tail<3>() = to.t - from.t;
-    return step;
-}
 
 opms_status_t check(const opms_calibrator_t *calibrator, const opms_footprint_t *footprints,
                     uint32_t count, const opms_camera_t *camera, opms_error_t *err)
@@ -83,13 +39,7 @@ opms_status_t check(const opms_calibrator_t *calibrator, const opms_footprint_t 
                              "footprint %u: picture %u is not in the solution", i,
                              footprint.picture);
         }
-        if (!std::isfinite(footprint.x_m) || !std::isfinite(footprint.y_m) ||
-            !std::isfinite(footprint.yaw_rad) || !(footprint.sigma_m >= 0.0) ||
-            !(footprint.sigma_m < 1.0) || !(footprint.sigma_rad >= 0.0) ||
-            !(footprint.sigma_rad < 1.0)) {
-            return opms_fail(err, OPMS_ERR_ARG, STAGE, (int32_t)i,
-                             "footprint %u: place or sigma is not finite or out of range", i);
-        }
+        OPMS_TRY(check_placing(footprint, i, err));
     }
     return OPMS_OK;
 }
@@ -113,12 +63,12 @@ bool mean_of(const opms_calibrator_t &calibrator, const opms_footprint_t *footpr
     mean.by_shared.setZero();
     for (uint32_t i = 0; i < count; ++i) {
         const Sight sight = sight_of(picture(i), footprints[i]);
-        Mat6 weight = own_covariance(picture(i), footprints[i], sight);
+        Mat6 weight = placing_covariance(picture(i), footprints[i], sight);
         if (!spd_invert(weight.data(), 6, SPD_PIVOT_LEAST)) {
             return false;
         }
         total += weight;
-        pull += weight * difference(mean.transform, sight.detector_camera);
+        pull += weight * rigid_difference(mean.transform, sight.detector_camera);
         mean.by_shared -= (weight * sight.by_pose).eval().lazyProduct(picture(i).slope);
     }
     mean.own = total;
@@ -156,5 +106,8 @@ opms_status_t opms_calibrator_camera(const opms_calibrator_t *calibrator,
     Eigen::Map<RowMajor<6, 6>>(camera->covariance_detector_camera) =
         0.5 * (covariance + covariance.transpose());
     camera->has_covariance_detector_camera = 1;
+    Eigen::Map<RowMajor<6, LENS>>(camera->covariance_detector_camera_intrinsics) =
+        mean.by_shared.lazyProduct(calibrator->covariance.leftCols<LENS>());
+    camera->has_covariance_detector_camera_intrinsics = 1;
     return OPMS_OK;
 }

@@ -15,6 +15,8 @@ namespace
 
 constexpr double ROTATION_TOLERANCE = 1e-6;
 constexpr double SYMMETRY_TOLERANCE = 1e-6;
+constexpr int MOUNTING = 6, LENS = 8, ALL = MOUNTING + LENS;
+constexpr int COVARIANCE_MOST = ALL;
 constexpr double VARIANCE_TOLERANCE = -1e-6; // of a correlation matrix written with few digits
 
 /* Is no eigenvalue below the tolerance? Cholesky's pivots of the matrix raised by it say so; an
@@ -37,43 +39,68 @@ bool has_no_negative_direction(double *matrix, int size)
     return true;
 }
 
-template <int Size>
-opms_status_t check_covariance(const double *values, const char *name, opms_error_t *err)
+/* A symmetric size x size matrix, size at most COVARIANCE_MOST. */
+opms_status_t check_covariance(const double *values, int size, const char *name, opms_error_t *err)
 {
-    const RowMajor<Size, Size> matrix = Eigen::Map<const RowMajor<Size, Size>>(values);
-    for (int i = 0; i < Size * Size; ++i) {
+    double unit[COVARIANCE_MOST], correlation[COVARIANCE_MOST * COVARIANCE_MOST];
+    for (int i = 0; i < size * size; ++i) {
         if (!std::isfinite(values[i])) {
             return opms_fail(err, OPMS_ERR_ARG, "pose", i, "camera->%s is not finite", name);
         }
     }
-    Eigen::Matrix<double, Size, 1> unit;
-    for (int i = 0; i < Size; ++i) {
-        if (!(matrix(i, i) >= 0.0)) {
-            return opms_fail(err, OPMS_ERR_ARG, "pose", i * Size + i,
+    for (int i = 0; i < size; ++i) {
+        const double variance = values[size * i + i];
+        if (!(variance >= 0.0)) {
+            return opms_fail(err, OPMS_ERR_ARG, "pose", i * size + i,
                              "camera->%s has a negative variance", name);
         }
-        unit[i] = matrix(i, i) > 0.0 ? 1.0 / std::sqrt(matrix(i, i)) : 0.0;
-    }
-    for (int i = 0; i < Size; ++i) {
+        unit[i] = std::sqrt(variance);
+        correlation[size * i + i] = variance > 0.0 ? 1.0 : 0.0;
         for (int j = 0; j < i; ++j) {
-            const double unlike = std::fabs(matrix(i, j) - matrix(j, i));
-            const double size = std::sqrt(matrix(i, i)) * std::sqrt(matrix(j, j));
-            if (!(unlike <= SYMMETRY_TOLERANCE * size)) {
-                return opms_fail(err, OPMS_ERR_ARG, "pose", i * Size + j,
+            const double here = values[size * i + j], there = values[size * j + i];
+            const double most = unit[i] * unit[j];
+            if (!(std::fabs(here - there) <= SYMMETRY_TOLERANCE * most)) {
+                return opms_fail(err, OPMS_ERR_ARG, "pose", i * size + j,
                                  "camera->%s is not symmetric", name);
             }
-            if (!(std::fabs(matrix(i, j)) <= size * (1.0 + SYMMETRY_TOLERANCE))) {
-                return opms_fail(err, OPMS_ERR_ARG, "pose", i * Size + j,
+            if (!(std::fabs(here) <= most * (1.0 + SYMMETRY_TOLERANCE))) {
+                return opms_fail(err, OPMS_ERR_ARG, "pose", i * size + j,
                                  "camera->%s holds a correlation above 1", name);
             }
+            correlation[size * i + j] = correlation[size * j + i] = most > 0.0 ? here / most : 0.0;
         }
     }
-    RowMajor<Size, Size> correlation = unit.asDiagonal() * matrix * unit.asDiagonal();
-    if (!has_no_negative_direction(correlation.data(), Size)) {
+    if (!has_no_negative_direction(correlation, size)) {
         return opms_fail(err, OPMS_ERR_ARG, "pose", -1,
                          "camera->%s has a negative variance in some direction", name);
     }
     return OPMS_OK;
+}
+
+/* Mounting and lens as one 14 x 14 matrix: each block may be sound and the whole not. */
+opms_status_t check_joint_covariance(const opms_camera_t &camera, opms_error_t *err)
+{
+    const char *const name = "covariance_detector_camera_intrinsics";
+    if (!camera.has_covariance_intrinsics || !camera.has_covariance_detector_camera) {
+        return opms_fail(err, OPMS_ERR_ARG, "pose", -1, "camera->%s stands without %s", name,
+                         camera.has_covariance_intrinsics ? "covariance_detector_camera"
+                                                          : "covariance_intrinsics");
+    }
+    double joint[ALL * ALL];
+    const double *const shared = camera.covariance_detector_camera_intrinsics;
+    for (int i = 0; i < ALL; ++i) {
+        for (int j = 0; j < ALL; ++j) {
+            const int a = i - MOUNTING, b = j - MOUNTING; // within the lens
+            joint[ALL * i + j] =
+                a >= 0 && b >= 0 ? camera.covariance_intrinsics[LENS * a + b]
+                : a >= 0         ? shared[LENS * j + a]
+                : b >= 0         ? shared[LENS * i + b]
+                                 : camera.covariance_detector_camera[MOUNTING * i + j];
+        }
+    }
+    return check_covariance(joint, ALL,
+                            "covariance_detector_camera_intrinsics, joined with the covariances "
+                            "of mounting and lens,", err);
 }
 
 } // namespace
@@ -99,14 +126,18 @@ opms_status_t check_transform(const opms_transform_t &transform, const char *nam
 opms_status_t check_camera_mounting(const opms_camera_t &camera, opms_error_t *err)
 {
     if (camera.has_covariance_intrinsics) {
-        OPMS_TRY(check_covariance<8>(camera.covariance_intrinsics, "covariance_intrinsics", err));
+        OPMS_TRY(
+            check_covariance(camera.covariance_intrinsics, LENS, "covariance_intrinsics", err));
     }
     if (camera.has_detector_camera) {
         OPMS_TRY(check_transform(camera.detector_camera, "camera->detector_camera", err));
     }
     if (camera.has_covariance_detector_camera) {
-        OPMS_TRY(check_covariance<6>(camera.covariance_detector_camera,
-                                     "covariance_detector_camera", err));
+        OPMS_TRY(check_covariance(camera.covariance_detector_camera, MOUNTING,
+                                  "covariance_detector_camera", err));
+    }
+    if (camera.has_covariance_detector_camera_intrinsics) {
+        OPMS_TRY(check_joint_covariance(camera, err));
     }
     return OPMS_OK;
 }

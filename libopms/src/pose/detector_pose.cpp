@@ -6,7 +6,11 @@
 //   w_gd = R_dc w,   d_gd = R_gb R_bc [v]x w + R_gb d.
 // Perturb R_dc by Exp(e) and t_dc by f. (R_dc Exp(e))^T = Exp(-e) R_dc^T:
 //   w_gd = -R_dc e,  d_gd = -R_gb R_bc [v]x e - R_gd f.
-// The image noise, the intrinsics and the mounting are independent, so their covariances add.
+// Let the intrinsics be truly k further on. The fit answers with J k (intrinsics_jacobian), and the
+// image noise n adds to it; with m = (e, f), and V and M as above,
+//   (w_gd, d_gd) = V (n + J k) + M m.
+// n is independent of the rest. m and k are not where the mounting was found through this lens:
+// their covariance X = E[m k^T] adds V J X^T M^T and its transpose.
 #include <opms/pose.h>
 
 #include "base/fail.h"
@@ -68,11 +72,11 @@ opms_status_t opms_pose_detector(const opms_pose_result_t *bar_camera, const opm
 
     uint32_t parts = OPMS_COVARIANCE_IMAGE;
     Mat6 view = Eigen::Map<const RowMajor<6, 6>>(bar_camera->bar_camera.covariance);
+    const Mat68 slope = Eigen::Map<const RowMajor<6, 8>>(bar_camera->intrinsics_jacobian);
     if (camera->has_covariance_intrinsics) {
-        const Mat68 slope = Eigen::Map<const RowMajor<6, 8>>(bar_camera->intrinsics_jacobian);
         const Eigen::Matrix<double, 8, 8> intrinsics =
             Eigen::Map<const RowMajor<8, 8>>(camera->covariance_intrinsics);
-        view += slope * intrinsics * slope.transpose();
+        view += slope.lazyProduct(intrinsics).eval().lazyProduct(slope.transpose());
         parts |= OPMS_COVARIANCE_INTRINSICS;
     }
     Mat6 covariance = by_view * view * by_view.transpose();
@@ -83,6 +87,13 @@ opms_status_t opms_pose_detector(const opms_pose_result_t *bar_camera, const opm
         by_mounting.bottomRightCorner<3, 3>() = -R_gd;
         const Mat6 mounting = Eigen::Map<const RowMajor<6, 6>>(camera->covariance_detector_camera);
         covariance += by_mounting * mounting * by_mounting.transpose();
+        if (camera->has_covariance_detector_camera_intrinsics) {
+            const Mat68 shared =
+                Eigen::Map<const RowMajor<6, 8>>(camera->covariance_detector_camera_intrinsics);
+            const Mat6 together = slope.lazyProduct(shared.transpose());
+            const Mat6 cross = by_view * together * by_mounting.transpose();
+            covariance += cross + cross.transpose();
+        }
         parts |= OPMS_COVARIANCE_DETECTOR_CAMERA;
     }
     Eigen::Map<RowMajor<3, 3>>(ground_detector->transform.R) = R_gd;
