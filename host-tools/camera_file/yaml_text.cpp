@@ -28,11 +28,14 @@ std::string scalar_text(const YAML::Node &node)
     return was_plain && is_plain(node.Scalar()) ? node.Scalar() : yaml_quoted(node.Scalar());
 }
 
-/** A tag that the file gave itself; "?" and "!" are the parser's own. */
+/** A tag that the file gave itself; "?" and "!" are the parser's own. OpenCV's for a matrix says
+ * nothing that its keys do not, and other readers stumble over it. */
 std::string tag_text(const YAML::Node &node)
 {
     const std::string &tag = node.Tag();
-    return tag.empty() || tag == "?" || tag == "!" ? std::string() : "!<" + tag + "> ";
+    const bool silent =
+        tag.empty() || tag == "?" || tag == "!" || tag == "tag:yaml.org,2002:opencv-matrix";
+    return silent ? std::string() : "!<" + tag + "> ";
 }
 
 std::string sequence_text(const YAML::Node &node)

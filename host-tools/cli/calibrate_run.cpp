@@ -2,8 +2,8 @@
 #include "calibrate_run.hpp"
 
 #include <algorithm>
-#include <memory>
 
+#include "calibrate_points.hpp"
 #include "text_table.hpp"
 
 namespace {
@@ -14,11 +14,6 @@ constexpr double STRANGERS_MOST = 0.25;
 constexpr const char *UNSOLVED_ADVICE =
     ". Was the detector tilted by 15 degrees or more to different sides, is the grid flat, and are "
     "all pictures of one camera?";
-
-struct CalibratorDeleter {
-    void operator()(opms_calibrator_t *calibrator) const { opms_calibrator_destroy(calibrator); }
-};
-using Calibrator = std::unique_ptr<opms_calibrator_t, CalibratorDeleter>;
 
 void fail(CalibrateResult &result, CalibrateState state, const std::string &reason)
 {
@@ -70,7 +65,7 @@ bool check_read(CalibrateResult &result)
     return true;
 }
 
-Calibrator make_calibrator(CalibrateResult &result)
+CalibratorHandle make_calibrator(CalibrateResult &result)
 {
     opms_calib_options_t options;
     opms_calib_options_init(&options);
@@ -82,20 +77,7 @@ Calibrator make_calibrator(CalibrateResult &result)
     if (opms_calibrator_create(&options, &calibrator, &error) != OPMS_OK) {
         fail(result, CalibrateState::bad_pictures, error.message);
     }
-    return Calibrator(calibrator);
-}
-
-std::vector<opms_calib_point_t> points_of(const GridPicture &picture)
-{
-    std::vector<opms_calib_point_t> points;
-    points.reserve(picture.nodes.size());
-    for (const opms_node_t &node : picture.nodes) {
-        points.push_back({{(node.label[0] - OPMS_GRID_CENTRE) * OPMS_GRID_PITCH_M,
-                           (node.label[1] - OPMS_GRID_CENTRE) * OPMS_GRID_PITCH_M},
-                          {node.px[0], node.px[1]},
-                          node.sigma_px});
-    }
-    return points;
+    return CalibratorHandle(calibrator);
 }
 
 void add_pictures(opms_calibrator_t *calibrator, CalibrateResult &result)
@@ -104,7 +86,7 @@ void add_pictures(opms_calibrator_t *calibrator, CalibrateResult &result)
         if (!picture.left_out.empty()) {
             continue;
         }
-        const std::vector<opms_calib_point_t> points = points_of(picture.grid);
+        const std::vector<opms_calib_point_t> points = calibrate_points(picture.grid);
         uint32_t index = 0;
         opms_error_t error = {};
         if (opms_calibrator_add(calibrator, points.data(), static_cast<uint32_t>(points.size()),
@@ -205,7 +187,7 @@ CalibrateResult calibrate_run(const CalibrateJob &job, const CalibrateTalk &talk
     if (!check_read(result)) {
         return result;
     }
-    const Calibrator calibrator = make_calibrator(result);
+    const CalibratorHandle calibrator = make_calibrator(result);
     if (!calibrator) {
         return result;
     }

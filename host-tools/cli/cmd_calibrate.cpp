@@ -11,6 +11,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "calibrate_check.hpp"
 #include "calibrate_run.hpp"
 #include "calibrate_text.hpp"
 #include "camera_file.hpp"
@@ -33,6 +34,7 @@ struct CalibrateArguments {
     std::string footprint_sigma = SIGMA_DEFAULT;
     std::vector<std::string> footprint_images;
     std::string out;
+    std::string check; /**< a camera file to check instead */
     std::string name;
     unsigned white_level = 0;
     bool json = false;
@@ -132,6 +134,7 @@ bool make_job(const CalibrateArguments &arguments, CalibrateJob &job, std::strin
     parse_sigma(arguments.footprint_sigma, job.footprint_sigma_m, job.footprint_sigma_rad);
     FootprintPlace first;
     first.image = arguments.images.front();
+    const bool default_place = arguments.check.empty(); /* a check needs none, so it asks for it */
     parse_place(arguments.footprint.empty() ? FOOTPRINT_DEFAULT : arguments.footprint, first);
     const std::string prefix = first.image + "=";
     const bool given_by_image =
@@ -140,7 +143,7 @@ bool make_job(const CalibrateArguments &arguments, CalibrateJob &job, std::strin
                         return text.compare(0, prefix.size(), prefix) == 0 &&
                                text.rfind('=') + 1 == prefix.size();
                     });
-    if (!given_by_image || !arguments.footprint.empty()) {
+    if ((!given_by_image && default_place) || !arguments.footprint.empty()) {
         job.footprints.push_back(first);
     }
     if (!add_places_of_images(arguments, job, error)) {
@@ -188,6 +191,44 @@ void talk_about_footprints(const CalibrateJob &job, const CalibrateResult &resul
     }
 }
 
+int exit_code_of(CheckVerdict verdict)
+{
+    switch (verdict) {
+    case CheckVerdict::valid:
+        return EXIT_CODE_OK;
+    case CheckVerdict::lens_touched:
+    case CheckVerdict::camera_moved:
+    case CheckVerdict::cannot_tell:
+        return EXIT_CODE_RESULT;
+    case CheckVerdict::bad_pictures:
+        break;
+    }
+    return EXIT_CODE_INPUT;
+}
+
+int check(const CalibrateArguments &arguments, const CalibrateJob &job)
+{
+    opms_host::CameraFile file;
+    std::string error;
+    if (!opms_host::camera_file_read(arguments.check, file, error)) {
+        talk(error);
+        return EXIT_CODE_INPUT;
+    }
+    if (!job.footprints.empty() && !file.camera.has_detector_camera) {
+        talk(arguments.check + ": does not say where the camera sits on the detector, so a "
+             "footprint tells nothing");
+        return EXIT_CODE_INPUT;
+    }
+    const CheckResult result = calibrate_check(file, job, talk);
+    if (result.verdict != CheckVerdict::valid) {
+        talk(result.reason);
+    }
+    ResultStream out;
+    const std::string text = arguments.json ? check_json(arguments.check, file, result)
+                                            : check_text(arguments.check, file, result);
+    return out.write_line(text) ? exit_code_of(result.verdict) : EXIT_CODE_INPUT;
+}
+
 int exit_code_of(CalibrateState state)
 {
     switch (state) {
@@ -209,6 +250,9 @@ int calibrate(const CalibrateArguments &arguments)
     if (!make_job(arguments, job, error)) {
         talk(error);
         return EXIT_CODE_USAGE;
+    }
+    if (!arguments.check.empty()) {
+        return check(arguments, job);
     }
     if (!opms_host::camera_file_may_write(arguments.out, error)) {
         talk(error);
@@ -285,16 +329,24 @@ void add_cmd_calibrate(CLI::App &app, int &exit_code)
 {
     const auto arguments = std::make_shared<CalibrateArguments>();
     CLI::App *cmd = app.add_subcommand(
-        "calibrate", "Pictures of the calibration grid in, a camera file out.");
+        "calibrate", "Pictures of the calibration grid in, a camera file out, or checked.");
     cmd->add_option("--grid", arguments->grid, "Kind of grid: a0-25")
         ->required()
         ->type_name("KIND")
         ->check(CLI::IsMember({"a0-25"}).description(""));
     add_footprint_options(*cmd, *arguments);
-    cmd->add_option("--out", arguments->out, "Camera file to write or to replace")
-        ->required()
+    CLI::Option_group *const task = cmd->add_option_group("one of both");
+    task->require_option(1);
+    task->add_option("--out", arguments->out, "Camera file to write or to replace")
         ->type_name("CAMERA.yaml");
-    cmd->add_option("--name", arguments->name, "The camera's name in the file")->type_name("NAME");
+    CLI::Option *const check_option =
+        task->add_option("--check", arguments->check,
+                         "Camera file to check: is it still valid? With --footprint the mounting, "
+                         "too")
+            ->type_name("CAMERA.yaml");
+    cmd->add_option("--name", arguments->name, "The camera's name in the file")
+        ->type_name("NAME")
+        ->excludes(check_option);
     cmd->add_option("--white-level", arguments->white_level,
                     "Grey level at saturation, 4095 for 12 bit in 16 [255 or 65535]")
         ->type_name("N")

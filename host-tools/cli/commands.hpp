@@ -20,6 +20,7 @@ enum ExitCode {
 
 void add_cmd_box(CLI::App &app, int &exit_code);
 void add_cmd_calibrate(CLI::App &app, int &exit_code);
+void add_cmd_camera(CLI::App &app, int &exit_code);
 void add_cmd_locate(CLI::App &app, int &exit_code);
 void add_cmd_nodes(CLI::App &app, int &exit_code);
 void add_cmd_print(CLI::App &app, int &exit_code);

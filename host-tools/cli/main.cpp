@@ -33,6 +33,7 @@ int run(int argc, char **argv)
     add_cmd_locate(app, exit_code);
     add_cmd_nodes(app, exit_code);
     add_cmd_calibrate(app, exit_code);
+    add_cmd_camera(app, exit_code);
 #ifdef OPMS_CLI_HAVE_PRINT
     add_cmd_print(app, exit_code);
 #endif

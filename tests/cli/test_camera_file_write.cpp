@@ -65,6 +65,10 @@ CameraFile random_camera(std::mt19937_64 &random)
     }
     fill_covariance(random, 8, file.camera.covariance_intrinsics);
     fill_covariance(random, 6, file.camera.covariance_detector_camera);
+    for (double &shared : file.camera.covariance_detector_camera_intrinsics) {
+        shared = 1e-3 * even(random);
+    }
+    file.camera.has_covariance_detector_camera_intrinsics = 1;
     file.camera.has_covariance_intrinsics = 1;
     file.camera.has_detector_camera = 1;
     file.camera.has_covariance_detector_camera = 1;
@@ -92,8 +96,13 @@ void check_same(const CameraFile &a, const CameraFile &b)
                      sizeof m.covariance_intrinsics), "the lens's covariance is the same");
     expect(same_bits(m.covariance_detector_camera, n.covariance_detector_camera,
                      sizeof m.covariance_detector_camera), "the mounting's covariance is the same");
+    expect(same_bits(m.covariance_detector_camera_intrinsics,
+                     n.covariance_detector_camera_intrinsics,
+                     sizeof m.covariance_detector_camera_intrinsics),
+           "what mounting and lens share is the same");
     expect(n.has_covariance_intrinsics && n.has_detector_camera &&
-               n.has_covariance_detector_camera, "all parts are there");
+               n.has_covariance_detector_camera && n.has_covariance_detector_camera_intrinsics,
+           "all parts are there");
     expect(a.name == b.name && a.grid == b.grid && a.date == b.date, "the texts are the same");
     expect(b.footprint && same_bits(&*a.footprint, &*b.footprint, sizeof *a.footprint),
            "the footprint is the same");
@@ -135,6 +144,67 @@ void a_camera_that_cannot_be_read_again_leaves_the_old_file(const fs::path &fold
     expect(!before.empty() && bytes_of(path) == before, "the old file is as it was");
 }
 
+void write_text(const fs::path &path, const std::string &text)
+{
+    std::ofstream(path, std::ios::binary) << text;
+}
+
+constexpr const char *COMMENTED = R"(# seen at the top
+# twice
+image_width: 1024   # of the picture
+image_height: 768
+vendor: {serial: "a # b", n: [1, 2]}  # by the maker
+# above the matrix
+camera_matrix:
+  rows: 3
+  cols: 3
+  # within it
+  data: [585.0, 0.0, 517.3, 0.0, 585.0, 379.6, 0.0, 0.0, 1.0]
+distortion_model: plumb_bob
+distortion_coefficients: {rows: 1, cols: 5, data: [0, 0, 0, 0, 0]}
+opms:
+  # where it sits
+  t_detector_camera_m: [-0.1, 0.0, 0.4]
+  R_detector_camera: [0, 1, 0, 1, 0, 0, 0, 0, -1]
+  shelf: 7   # in the store
+# the end
+)";
+
+/** How often a text is in another. */
+std::size_t count_of(const std::string &text, const std::string &what)
+{
+    std::size_t count = 0;
+    for (std::size_t at = text.find(what); at != std::string::npos; at = text.find(what, at + 1)) {
+        count++;
+    }
+    return count;
+}
+
+void comments_and_unknown_keys_survive_any_number_of_rewrites(const fs::path &folder)
+{
+    std::mt19937_64 random(9);
+    const std::string path = (folder / "commented.yaml").string();
+    write_text(path, COMMENTED);
+    std::string first;
+    for (int i = 0; i < 3; i++) {
+        std::string error;
+        expect(opms_host::camera_file_write(path, random_camera(random), error), "rewritten",
+               error);
+        const std::string text = bytes_of(path);
+        for (const char *line :
+             {"# seen at the top\n# twice\n# of the picture\nimage_width: 1024\n",
+              "# by the maker\nvendor: {serial: \"a # b\", n: [1, 2]}\n",
+              "# above the matrix\n# within it\ncamera_matrix:\n",
+              "  # where it sits\n  t_detector_camera_m: [", "  # in the store\n  shelf: 7\n"}) {
+            expect(count_of(text, line) == 1, "a comment stays with its key", line + text);
+        }
+        expect(text.size() > 10 && text.rfind("# the end\n") == text.size() - 10,
+               "the last comment stays the last", text);
+        expect(count_of(text, "#") == 11, "no comment is doubled", text);
+    }
+    fs::remove(path);
+}
+
 void a_link_stays_a_link_and_nothing_is_left_beside(const fs::path &folder)
 {
     std::mt19937_64 random(8);
@@ -160,6 +230,7 @@ int main()
     fs::create_directory(folder);
     what_is_written_is_read_to_the_last_bit(folder);
     a_camera_that_cannot_be_read_again_leaves_the_old_file(folder);
+    comments_and_unknown_keys_survive_any_number_of_rewrites(folder);
     a_link_stays_a_link_and_nothing_is_left_beside(folder);
     fs::remove_all(folder);
     return failures == 0 ? 0 : 1;

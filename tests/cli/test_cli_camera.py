@@ -28,7 +28,7 @@ class BadCameras(CliTest):
         self.assert_refused("- 1\n- 2\n", "is not a camera file")
         self.assert_refused("a: [1, 2\n", "is not valid YAML", "line 2")
         self.assert_refused(b"a: \0\n", "binary data")
-        self.assert_refused("# " + "x" * 70000, "larger than 64 KiB")
+        self.assert_refused("# " + "x" * 1050000, "larger than 1 MiB")
         self.assert_refused("a: &x [*x]\n", "line 1: anchors and aliases")
         self.assert_refused("[" * 30000, "nested too deeply")
 
