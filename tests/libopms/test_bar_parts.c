@@ -92,11 +92,12 @@ static void a_corner_off_the_right_angle_covers_its_share(void)
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
         for (double a = -2; a <= 2; a += 0.5) {
             for (double b = -2; b <= 2; b += 0.5) {
-                const double excess = (double)corner_excess(
-                    (float)cases[i].lean, (float)a, (float)normal_density(a), (float)b,
-                    (float)normal_density(b));
+                const lanes_t excess = corner_excess(
+                    lanes_of((float)cases[i].lean), lanes_of((float)a),
+                    lanes_of((float)normal_density(a)), lanes_of((float)b),
+                    lanes_of((float)normal_density(b)));
                 TEST_ASSERT_DOUBLE_WITHIN(cases[i].error, joint_part(a, b, cases[i].lean),
-                                          normal_part(a) * normal_part(b) + excess);
+                                          normal_part(a) * normal_part(b) + (double)excess[1]);
             }
         }
     }

@@ -4,7 +4,7 @@
 #include <math.h>
 
 #include "bar/bar_code.h"
-#include "bar/edge_profile.h"
+#include "bar/edge_blur.h"
 #include "bar/stretch_fit.h"
 
 /* The pixels next to a side are taken in lines across it: rows of the picture where the side is

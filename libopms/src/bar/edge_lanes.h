@@ -1,12 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /** @file
- * The profile of a blurred edge for four pixels at a time: what edge_profile.h looks up in a table,
- * computed, since a vector unit cannot look up four places at once. */
+ * The profile of a blurred edge for four pixels at a time. */
 #ifndef OPMS_BAR_EDGE_LANES_H
 #define OPMS_BAR_EDGE_LANES_H
 
 #include "algebra/normal_lanes.h"
-#include "bar/edge_profile.h"
+#include "bar/edge_blur.h"
 
 /** Profile at s px from the edge; the pulse is per px. */
 static inline normal_lanes_t edge_lanes_blurred(const edge_blur_t *blur, lanes_t s)
@@ -25,6 +24,18 @@ static inline normal_lanes_t edge_lanes_blurred(const edge_blur_t *blur, lanes_t
         ((high * b.step + b.pulse) - (low * a.step + a.pulse)) * (blur->gauss * blur->per_box),
         (b.step - a.step) * blur->per_box};
     return p;
+}
+
+/** What a corner off the right angle covers besides the product of its two profiles: their joint
+ * normal distribution is a series in the correlation. a and b are distances from the sides in
+ * standard deviations, inside the corner positive. */
+static inline lanes_t corner_excess(lanes_t lean, lanes_t a, lanes_t density_a, lanes_t b,
+                                    lanes_t density_b)
+{
+    const lanes_t ab = a * b, aa = a * a - 1.f, bb = b * b - 1.f;
+    return lean * density_a * density_b *
+           (1.f + lean * (0.5f * ab + lean * (aa * bb * (1.f / 6) +
+                                              lean * ab * (aa - 2.f) * (bb - 2.f) * (1.f / 24))));
 }
 
 #endif

@@ -22,7 +22,7 @@
 #define SCOUTING_SQUARES 6
 #define CLIP_CLEAR 0.6
 #define SCOUTING_STEP 2     /* lines of pixels */
-#define SCOUTED_PX 0.12f     /* movement after which all squares are measured */
+#define SCOUTED_PX 0.2f      /* movement after which all squares are measured */
 #define SHAPED 0.04f        /* change of blur (px) or clip that counts as none */
 #define SCOUTED_BLUR 0.06f
 #define UNSHAPED 0.1f       /* such a change at the end means that nothing settles */
@@ -291,7 +291,7 @@ static int scout(edge_scene_t *scene, int passes, int until_cut, float contrast,
         if (!run_pass(scene, index, count, contrast, 3.f, fit, result)) {
             return 0;
         }
-        const int grow = 1 + (result->high - result->low) / 2;
+        const int grow = 1 + (result->high - result->low);
         const int from = clamp_index(result->low - grow), to = clamp_index(result->high + grow);
         const int known = from >= scouting->from && to <= scouting->to;
         scouting->from = from < scouting->from ? from : scouting->from;

@@ -6,7 +6,7 @@
 
 #define FEW 8
 
-/** Move what is less than the pivot, or, `equal`, not more, to the front; returns where that ends. */
+/** Move what is less than the pivot, or, `equal`, not more, to the front; returns its end. */
 static int partition(float *values, int from, int to, float pivot, int equal)
 {
     int end = from;

@@ -5,6 +5,8 @@
 #include <string.h>
 
 #include "bar/bar_code.h"
+#include "bar/edge_lanes.h"
+#include "bar/line_pixels.h"
 
 /* Where white saturates, the coverage of a blurred edge is cut at the part `clip` of the true
  * contrast, and w is what is left, scaled to 1: grey = black + contrast w. Solved for are black,
@@ -13,42 +15,41 @@
 #define PIXELS_LEAST 10
 #define NOISY_LEAST 5
 #define SATURATED_PART 0.02f /* of a stretch's pixels, from which on its white is cut */
-#define LANES 4
-#define PIXELS_MAX 1024
+#define REACH 3.5f           /* standard deviations from where on a step has no effect */
+#define CUT_REACH 4.f        /* noises below the cut from where on it has none */
 
 enum { C_W, C_G, C_SHAPE, C_GREY = C_SHAPE + CLIP_SHAPE, COLUMNS };
 
-typedef float lanes_t __attribute__((vector_size(LANES * sizeof(float))));
-
 typedef struct clip_columns {
     int count, cut;
-    float x[COLUMNS][PIXELS_MAX] __attribute__((aligned(16)));
+    float x[COLUMNS][PIXELS_MAX];
 } clip_columns_t;
 
 /** A profile with its derivatives by place, by its box and by its Gaussian. */
 typedef struct shaped_profile {
-    float step, pulse, by_box, by_gauss;
-    float by_cross; /* of the step, by the covariance of motion across and along */
+    lanes_t step, pulse, by_box, by_gauss;
+    lanes_t by_cross; /* of the step, by the covariance of motion across and along */
 } shaped_profile_t;
 
-static shaped_profile_t shaped_at(const edge_blur_t *blur, float s)
+static inline shaped_profile_t shaped_at(const edge_blur_t *blur, lanes_t s)
 {
     shaped_profile_t p;
-    p.by_cross = 0;
+    p.by_cross = lanes_of(0.f);
     if (blur->box <= 0.f) {
-        const float z = s * blur->per_gauss;
-        const edge_profile_t plain = edge_profile(z);
+        const lanes_t z = s * blur->per_gauss;
+        const normal_lanes_t plain = normal_lanes(z);
         p.step = plain.step;
         p.pulse = plain.pulse * blur->per_gauss;
-        p.by_box = 0;
+        p.by_box = lanes_of(0.f);
         p.by_gauss = -z * p.pulse;
         return p;
     }
-    /* As edge_profile_blurred(). */
-    const float high = (s + 0.5f * blur->box) * blur->per_gauss;
-    const float low = (s - 0.5f * blur->box) * blur->per_gauss;
-    const edge_profile_t a = edge_profile(low), b = edge_profile(high);
-    p.step = ((high * b.step + b.pulse) - (low * a.step + a.pulse)) * blur->gauss * blur->per_box;
+    /* As edge_lanes_blurred(). */
+    const lanes_t high = (s + 0.5f * blur->box) * blur->per_gauss;
+    const lanes_t low = (s - 0.5f * blur->box) * blur->per_gauss;
+    const normal_lanes_t a = normal_lanes(low), b = normal_lanes(high);
+    p.step = ((high * b.step + b.pulse) - (low * a.step + a.pulse)) *
+             (blur->gauss * blur->per_box);
     p.pulse = (b.step - a.step) * blur->per_box;
     p.by_box = (0.5f * (a.step + b.step) - p.step) * blur->per_box;
     p.by_gauss = (b.pulse - a.pulse) * blur->per_box;
@@ -57,19 +58,22 @@ static shaped_profile_t shaped_at(const edge_blur_t *blur, float s)
 
 /** How much of the code cells beyond the side is black at a position along it, under the blur;
  * `ends` gets what the lean adds to that. */
-static float cells_at(const side_model_t *model, float along, float *ends)
+static inline lanes_t cells_at(const side_model_t *model, lanes_t along, lanes_t *ends)
 {
     const float along_sigma = model->along_px / model->along_scale;
-    float sum = 0;
-    *ends = 0;
-    for (int i = 0; i < BAR_CELLS; ++i) {
-        if (model->cells >> i & 1u) {
-            const float from = (along - (float)BAR_CELL_X_MM * (float)(i - 3)) * model->along_px;
-            const float to = from - (float)BAR_CELL_X_MM * model->along_px;
-            const edge_profile_t a = edge_profile_blurred(&model->blur_along, from),
-                                 b = edge_profile_blurred(&model->blur_along, to);
-            sum += a.step - b.step;
-            *ends += (b.pulse - a.pulse) * along_sigma;
+    lanes_t sum = lanes_of(0.f);
+    *ends = sum;
+    /* Only where black begins or ends is there anything to add. */
+    float before = 0.f;
+    for (int i = 0; i <= BAR_CELLS; ++i) {
+        const float black = i < BAR_CELLS && (model->cells >> i & 1u) ? 1.f : 0.f;
+        const float turn = black - before;
+        before = black;
+        if (turn < 0.f || turn > 0.f) {
+            const lanes_t from = (along - (float)BAR_CELL_X_MM * (float)(i - 3)) * model->along_px;
+            const normal_lanes_t end = edge_lanes_blurred(&model->blur_along, from);
+            sum += turn * end.step;
+            *ends -= turn * end.pulse * along_sigma;
         }
     }
     return sum;
@@ -77,89 +81,109 @@ static float cells_at(const side_model_t *model, float along, float *ends)
 
 /** How the middle of the exposure's part in light goes with the place: for a box a parabola of the
  * same area as the pulse. */
-static float cross_pulse(const edge_blur_t *blur, float s, float pulse)
+static inline lanes_t cross_pulse(const edge_blur_t *blur, lanes_t s, lanes_t pulse)
 {
     if (blur->box <= 0.f) {
         return pulse;
     }
-    const float part = s * blur->per_box;
-    return fmaxf(0.f, (1.5f - 6.f * part * part) * blur->per_box);
+    const lanes_t part = s * blur->per_box;
+    return lanes_max(lanes_of(0.f), (1.5f - 6.f * part * part) * blur->per_box);
 }
 
-/** White coverage of a pixel in `step`, and its derivatives. */
-static shaped_profile_t coverage(const side_model_t *model, float s, float along)
+/** What the model has within reach of a stretch. */
+typedef struct stretch_parts {
+    int end, cells;
+} stretch_parts_t;
+
+static stretch_parts_t parts_of(const side_model_t *model, const line_pixels_t *pixels)
 {
-    shaped_profile_t w = shaped_at(&model->blur, s);
-    const float to_end = (model->end_at - fabsf(along)) * model->along_scale;
-    if (to_end < 3.5f) {
-        const float along_sigma = model->along_px / model->along_scale;
-        const edge_profile_t there = edge_profile_blurred(&model->blur_along, to_end * along_sigma);
-        const float lean = along < 0.f ? -model->lean : model->lean, z = s * model->per_sigma;
-        const float density = there.pulse * along_sigma;
-        w.step = 1.f - (1.f - w.step) * there.step -
-                 corner_excess(lean, -z, w.pulse / model->per_sigma, to_end, density);
-        /* To first order in the lesser part of the motion. */
-        w.by_cross =
-            -(along < 0.f ? -1.f : 1.f) * there.pulse * cross_pulse(&model->blur, s, w.pulse);
-        w.step += model->cross * w.by_cross;
-        w.pulse *= there.step + lean * z * density;
-        w.by_box *= there.step;
-        w.by_gauss *= there.step;
-    }
-    if (model->cells && (s - model->cell_near) * model->per_sigma > -3.5f) {
-        float ends;
-        const float cells = cells_at(model, along, &ends);
-        const shaped_profile_t near = shaped_at(&model->blur, s - model->cell_near);
-        const shaped_profile_t far = shaped_at(&model->blur, s - model->cell_far);
-        w.step -= cells * (near.step - far.step) +
-                  model->lean * ends * (far.pulse - near.pulse) / model->per_sigma;
-        const float by_cross =
-            -ends * model->along_scale / model->along_px *
-            (cross_pulse(&model->blur, s - model->cell_far, far.pulse) -
-             cross_pulse(&model->blur, s - model->cell_near, near.pulse));
-        w.step += model->cross * by_cross;
-        w.by_cross += by_cross;
-        w.by_box -= cells * (near.by_box - far.by_box);
-        w.by_gauss -= cells * (near.by_gauss - far.by_gauss);
-    }
-    return w;
+    const float along = fmaxf(pixels->along_high, -pixels->along_low);
+    const stretch_parts_t parts = {
+        (model->end_at - along) * model->along_scale < REACH,
+        model->cells && (pixels->s_high - model->cell_near) * model->per_sigma > -REACH};
+    return parts;
 }
 
-static void add_line(clip_columns_t *columns, const side_model_t *model, float clip,
-                     const fit_line_t *line)
+/** The side's end, beyond which there is white. */
+static inline void add_end(const side_model_t *model, lanes_t s, lanes_t along,
+                           shaped_profile_t *w)
 {
+    const lanes_t to_end = (model->end_at - lanes_abs(along)) * model->along_scale;
+    const float along_sigma = model->along_px / model->along_scale;
+    const normal_lanes_t there = edge_lanes_blurred(&model->blur_along, to_end * along_sigma);
+    const lanes_t way = lanes_pick(along < 0.f, lanes_of(-1.f), lanes_of(1.f));
+    const lanes_t lean = way * model->lean, z = s * model->per_sigma;
+    const lanes_t density = there.pulse * along_sigma;
+    w->step = 1.f - (1.f - w->step) * there.step -
+              corner_excess(lean, -z, w->pulse / model->per_sigma, to_end, density);
+    /* To first order in the lesser part of the motion. */
+    w->by_cross = -way * there.pulse * cross_pulse(&model->blur, s, w->pulse);
+    w->step += model->cross * w->by_cross;
+    w->pulse *= there.step + lean * z * density;
+    w->by_box *= there.step;
+    w->by_gauss *= there.step;
+}
+
+/** The code cells beyond the gap. */
+static inline void add_cells(const side_model_t *model, lanes_t s, lanes_t along,
+                             shaped_profile_t *w)
+{
+    lanes_t ends;
+    const lanes_t cells = cells_at(model, along, &ends);
+    const shaped_profile_t near = shaped_at(&model->blur, s - model->cell_near);
+    const shaped_profile_t far = shaped_at(&model->blur, s - model->cell_far);
+    w->step -= cells * (near.step - far.step) +
+               model->lean * ends * (far.pulse - near.pulse) / model->per_sigma;
+    const lanes_t by_cross = ends * (-model->along_scale / model->along_px) *
+                             (cross_pulse(&model->blur, s - model->cell_far, far.pulse) -
+                              cross_pulse(&model->blur, s - model->cell_near, near.pulse));
+    w->step += model->cross * by_cross;
+    w->by_cross += by_cross;
+    w->by_box -= cells * (near.by_box - far.by_box);
+    w->by_gauss -= cells * (near.by_gauss - far.by_gauss);
+}
+
+/** Fill the columns from the pixels' coverages. */
+static void model_pixels(const side_model_t *model, float clip, const line_pixels_t *pixels,
+                         clip_columns_t *columns)
+{
+    const stretch_parts_t parts = parts_of(model, pixels);
     const float scale = 1.f / clip;
     const int own = C_SHAPE + CLIP_BLUR + model->family;
     const int boxed = model->blur.box > 0.f;
-    int n = columns->count;
-    for (int k = 0; k < line->count; ++k, ++n) {
-        const float s = line->s_first + (float)k * line->s_step;
-        const shaped_profile_t w =
-            coverage(model, s, line->along_first + (float)k * line->along_step);
-        columns->x[C_GREY][n] = line->grey[k];
+    lanes_int_t cut = {0};
+    const lanes_int_t number = {0, 1, 2, 3};
+    for (int k = 0; k < pixels->count; k += LANES) {
+        const lanes_t s = lanes_load(&pixels->s[k]), along = lanes_load(&pixels->along[k]);
+        shaped_profile_t w = shaped_at(&model->blur, s);
+        if (parts.end) {
+            add_end(model, s, along, &w);
+        }
+        if (parts.cells) {
+            add_cells(model, s, along, &w);
+        }
         /* The mean of a noisy level that is cut. */
-        const float z = (clip - w.step) * model->per_cut_noise;
-        const edge_profile_t open = edge_profile(z);
-        const float level = z > 4.f ? w.step
-            : w.step * open.step + clip * (1.f - open.step) - open.pulse / model->per_cut_noise;
-        const float by_step = open.step * scale;
-        columns->cut += z < 0.f;
-        columns->x[C_W][n] = level * scale;
-        columns->x[C_G][n] = w.pulse * by_step;
-        columns->x[C_SHAPE + CLIP_LOG][n] = 1.f - open.step - level * scale;
-        columns->x[own][n] =
-            by_step * (boxed ? w.by_box * model->box_by_total : w.by_gauss);
-        columns->x[C_SHAPE + CLIP_BLUR + !model->family][n] = 0.f;
-        columns->x[C_SHAPE + CLIP_CROSS][n] = by_step * w.by_cross * model->cross_by;
-        columns->x[C_SHAPE + CLIP_STILL][n] =
-            boxed ? by_step * (w.by_gauss + w.by_box * model->box_by_still) : 0.f;
+        const lanes_t z = (clip - w.step) * model->per_cut_noise;
+        const normal_lanes_t open = normal_lanes(z);
+        const lanes_t noisy = w.step * open.step + clip * (1.f - open.step) -
+                              open.pulse / model->per_cut_noise;
+        const lanes_t level = lanes_pick(z > CUT_REACH, w.step, noisy);
+        const lanes_t by_step = open.step * scale;
+        cut -= (z < 0.f) & (number < pixels->count - k);
+        lanes_store(&columns->x[C_GREY][k], lanes_load(&pixels->grey[k]));
+        lanes_store(&columns->x[C_W][k], level * scale);
+        lanes_store(&columns->x[C_G][k], w.pulse * by_step);
+        lanes_store(&columns->x[C_SHAPE + CLIP_LOG][k], 1.f - open.step - level * scale);
+        lanes_store(&columns->x[own][k],
+                    by_step * (boxed ? w.by_box * model->box_by_total : w.by_gauss));
+        lanes_store(&columns->x[C_SHAPE + CLIP_BLUR + !model->family][k], lanes_of(0.f));
+        lanes_store(&columns->x[C_SHAPE + CLIP_CROSS][k], by_step * w.by_cross * model->cross_by);
+        lanes_store(&columns->x[C_SHAPE + CLIP_STILL][k],
+                    boxed ? by_step * (w.by_gauss + w.by_box * model->box_by_still)
+                          : lanes_of(0.f));
     }
-    columns->count = n;
-}
-
-static inline float total(lanes_t v)
-{
-    return (v[0] + v[1]) + (v[2] + v[3]);
+    columns->count = pixels->count;
+    columns->cut = cut[0] + cut[1] + cut[2] + cut[3];
 }
 
 /** Sums of the columns' products about their means. */
@@ -188,17 +212,16 @@ static void sum_columns(clip_columns_t *columns, const side_model_t *model, doub
         const int a = used[i];
         lanes_t sum = {0};
         for (int k = 0; k < n; k += LANES) {
-            sum += *(const lanes_t *)(const void *)&columns->x[a][k];
+            sum += lanes_load(&columns->x[a][k]);
         }
-        mean[a] = (double)total(sum) / columns->count;
+        mean[a] = (double)lanes_sum(sum) / columns->count;
         for (int j = 0; j <= i; ++j) {
             const int b = used[j];
             lanes_t product = {0};
             for (int k = 0; k < n; k += LANES) {
-                product += *(const lanes_t *)(const void *)&columns->x[a][k] *
-                           *(const lanes_t *)(const void *)&columns->x[b][k];
+                product += lanes_load(&columns->x[a][k]) * lanes_load(&columns->x[b][k]);
             }
-            xx[a][b] = (double)total(product) - mean[a] * mean[b] * columns->count;
+            xx[a][b] = (double)lanes_sum(product) - mean[a] * mean[b] * columns->count;
         }
     }
 }
@@ -249,29 +272,22 @@ static int solve(const double mean[COLUMNS], double xx[COLUMNS][COLUMNS], int no
 int stretch_fit_clipped(const side_model_t *model, const fit_line_t *lines, int count,
                         stretch_t *out)
 {
-    int pixels = 0, saturated = 0;
-    const float white = model->white_level - 0.5f;
-    for (int i = 0; i < count; ++i) {
-        pixels += lines[i].count;
-        for (int k = 0; k < lines[i].count; ++k) {
-            saturated += lines[i].grey[k] >= white;
-        }
-    }
+    line_pixels_t pixels;
+    line_pixels_gather(&pixels, lines, count);
+    const int saturated = line_pixels_saturated(&pixels, model->white_level - 0.5f);
     memset(&out->clip, 0, sizeof out->clip);
     out->clipped = 1;
     out->ground = 0;
     out->saturated = (uint16_t)saturated;
-    out->pixels = (uint16_t)pixels;
-    if (pixels < PIXELS_LEAST) {
+    out->pixels = (uint16_t)pixels.count;
+    if (pixels.count < PIXELS_LEAST) {
         return 0;
     }
     /* In the shade white may be below saturation. */
-    const float clip = (float)saturated > SATURATED_PART * (float)pixels ? model->clip : 2.f;
+    const float clip =
+        (float)saturated > SATURATED_PART * (float)pixels.count ? model->clip : 2.f;
     clip_columns_t columns;
-    columns.count = columns.cut = 0;
-    for (int i = 0; i < count && columns.count + lines[i].count <= PIXELS_MAX - LANES; ++i) {
-        add_line(&columns, model, clip, &lines[i]);
-    }
+    model_pixels(model, clip, &pixels, &columns);
     double mean[COLUMNS], xx[COLUMNS][COLUMNS];
     sum_columns(&columns, model, mean, xx);
     if (!solve(mean, xx, columns.count - columns.cut, out)) {

@@ -5,6 +5,7 @@
 
 #include "bar/bar_code.h"
 #include "bar/edge_lanes.h"
+#include "bar/line_pixels.h"
 
 /* grey = black + contrast w(s - offset), to first order in the offset, with w the white coverage
  * and g = dw/ds: linear in black, contrast and contrast times offset. Next to the bar's border the
@@ -16,14 +17,11 @@
 
 #define PIXELS_LEAST 10
 
-#define PIXELS_MAX 1024 /* of a stretch, a multiple of LANES */
 #define REACH 3.5f      /* standard deviations from where on a step has no effect */
 
-/** The pixels of a stretch as columns for the vector unit, and the regressors of its fit. */
+/** The pixels of a stretch, and the regressors of its fit. */
 typedef struct fit_pixels {
-    int count;
-    float s_high, along_low, along_high; /* extremes of the columns */
-    float s[PIXELS_MAX], along[PIXELS_MAX], grey[PIXELS_MAX];
+    line_pixels_t of;
     float x[REGRESSORS][PIXELS_MAX];
 } fit_pixels_t;
 
@@ -32,8 +30,8 @@ static void sum_pixels(const fit_pixels_t *pixels, int ground, int cells, fit_su
 {
     lanes_t i = {0}, ii = {0}, x[REGRESSORS] = {{0}}, xi[REGRESSORS] = {{0}},
             xx[REGRESSORS][REGRESSORS] = {{{0}}};
-    for (int k = 0; k < pixels->count; k += LANES) {
-        const lanes_t grey = lanes_load(&pixels->grey[k]);
+    for (int k = 0; k < pixels->of.count; k += LANES) {
+        const lanes_t grey = lanes_load(&pixels->of.grey[k]);
         const lanes_t w = lanes_load(&pixels->x[W][k]), g = lanes_load(&pixels->x[G][k]);
         const lanes_t h = lanes_load(&pixels->x[H][k]);
         i += grey;
@@ -66,7 +64,7 @@ static void sum_pixels(const fit_pixels_t *pixels, int ground, int cells, fit_su
             xx[C][G] += c * g;
         }
     }
-    sums->n = (float)pixels->count;
+    sums->n = (float)pixels->of.count;
     sums->i = lanes_sum(i);
     sums->ii = lanes_sum(ii);
     for (int a = 0; a < REGRESSORS; ++a) {
@@ -147,25 +145,15 @@ typedef struct stretch_parts {
 
 static stretch_parts_t parts_of(const side_model_t *model, const fit_pixels_t *pixels)
 {
-    const float low = pixels->along_low, high = pixels->along_high;
+    const float low = pixels->of.along_low, high = pixels->of.along_high;
     stretch_parts_t parts = {.end = 0};
     parts.end = (model->end_at - (high > -low ? high : -low)) * model->along_scale < REACH;
-    if (model->cells && (pixels->s_high - model->cell_near) * model->per_sigma > -REACH) {
+    if (model->cells && (pixels->of.s_high - model->cell_near) * model->per_sigma > -REACH) {
         parts.cell_ends = cells_near(model, low, high);
         parts.cells = parts.cell_ends.count > 0 || parts.cell_ends.base > 0.f;
-        parts.cells_far = (pixels->s_high - model->cell_far) * model->per_sigma > -REACH;
+        parts.cells_far = (pixels->of.s_high - model->cell_far) * model->per_sigma > -REACH;
     }
     return parts;
-}
-
-/** corner_excess() for four pixels. */
-static inline lanes_t corner_excess_lanes(lanes_t lean, lanes_t a, lanes_t density_a, lanes_t b,
-                                          lanes_t density_b)
-{
-    const lanes_t ab = a * b, aa = a * a - 1.f, bb = b * b - 1.f;
-    return lean * density_a * density_b *
-           (1.f + lean * (0.5f * ab + lean * (aa * bb * (1.f / 6) +
-                                              lean * ab * (aa - 2.f) * (bb - 2.f) * (1.f / 24))));
 }
 
 /** White coverage of pixels, its slope along the side's normal, and that of the code cells' borders
@@ -187,7 +175,7 @@ static inline coverage_t coverage(const side_model_t *model, const stretch_parts
             lanes_pick(along < 0.f, lanes_of(-model->lean), lanes_of(model->lean));
         const lanes_t z = s * model->per_sigma;
         of.white = 1.f - (1.f - edge.step) * there.step -
-                   corner_excess_lanes(lean, -z, edge.pulse * sigma, to_end, there.pulse);
+                   corner_excess(lean, -z, edge.pulse * sigma, to_end, there.pulse);
         of.slope *= there.step + lean * z * there.pulse;
     }
     if (parts->cells) {
@@ -210,8 +198,8 @@ static inline coverage_t coverage(const side_model_t *model, const stretch_parts
 static void model_pixels(const side_model_t *model, const stretch_parts_t *parts,
                          fit_pixels_t *pixels)
 {
-    for (int k = 0; k < pixels->count; k += LANES) {
-        const lanes_t s = lanes_load(&pixels->s[k]), along = lanes_load(&pixels->along[k]);
+    for (int k = 0; k < pixels->of.count; k += LANES) {
+        const lanes_t s = lanes_load(&pixels->of.s[k]), along = lanes_load(&pixels->of.along[k]);
         const coverage_t of = coverage(model, parts, s, along);
         lanes_store(&pixels->x[W][k], of.white);
         lanes_store(&pixels->x[G][k], of.slope);
@@ -224,52 +212,11 @@ static void model_pixels(const side_model_t *model, const stretch_parts_t *parts
                         edge_lanes_blurred(&model->blur, s - model->ground).step);
         }
     }
-    for (int k = pixels->count; k % LANES != 0; ++k) { /* what fills up counts for nothing */
+    for (int k = pixels->of.count; k % LANES != 0; ++k) { /* what fills up counts for nothing */
         for (int a = 0; a < REGRESSORS; ++a) {
             pixels->x[a][k] = 0.f;
         }
     }
-}
-
-/** Lay a line behind the others. */
-static void add_line(fit_pixels_t *pixels, const fit_line_t *line)
-{
-    const int n = pixels->count, last = n + line->count - 1;
-    const lanes_t number = {0, 1, 2, 3};
-    for (int k = 0; k < line->count; k += LANES) {
-        const lanes_t at = number + (float)k;
-        lanes_store(&pixels->s[n + k], line->s_first + at * line->s_step);
-        lanes_store(&pixels->along[n + k], line->along_first + at * line->along_step);
-        lanes_store(&pixels->grey[n + k], lanes_load(&line->grey[k]));
-    }
-    pixels->s_high = fmaxf(pixels->s_high, fmaxf(pixels->s[n], pixels->s[last]));
-    pixels->along_low = fminf(pixels->along_low, fminf(pixels->along[n], pixels->along[last]));
-    pixels->along_high = fmaxf(pixels->along_high, fmaxf(pixels->along[n], pixels->along[last]));
-    pixels->count = last + 1;
-}
-
-static void gather(fit_pixels_t *pixels, const fit_line_t *lines, int count)
-{
-    pixels->count = 0;
-    pixels->s_high = pixels->along_high = -1e30f;
-    pixels->along_low = 1e30f;
-    for (int i = 0; i < count && pixels->count + lines[i].count <= PIXELS_MAX - LANES; ++i) {
-        if (lines[i].count > 0) {
-            add_line(pixels, &lines[i]);
-        }
-    }
-    for (int k = pixels->count; k % LANES != 0; ++k) {
-        pixels->s[k] = pixels->along[k] = pixels->grey[k] = 0.f;
-    }
-}
-
-static int count_saturated(const fit_pixels_t *pixels, float white)
-{
-    lanes_int_t count = {0};
-    for (int k = 0; k < pixels->count; k += LANES) {
-        count -= lanes_load(&pixels->grey[k]) >= white; /* a comparison gives -1 where it holds */
-    }
-    return count[0] + count[1] + count[2] + count[3];
 }
 
 /** Take regressor `p` out of the others and of the grey levels. */
@@ -363,8 +310,8 @@ int stretch_solve(const grey_levels_t *levels, stretch_t *out)
 void stretch_sum(const side_model_t *model, const fit_line_t *lines, int count, stretch_t *out)
 {
     fit_pixels_t pixels;
-    gather(&pixels, lines, count);
-    out->saturated = (uint16_t)count_saturated(&pixels, model->white_level - 0.5f);
+    line_pixels_gather(&pixels.of, lines, count);
+    out->saturated = (uint16_t)line_pixels_saturated(&pixels.of, model->white_level - 0.5f);
     out->clipped = 0;
     out->ground = model->ground > 0.f;
     stretch_parts_t parts = parts_of(model, &pixels);

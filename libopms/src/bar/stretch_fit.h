@@ -5,7 +5,7 @@
 #define OPMS_BAR_STRETCH_FIT_H
 
 #include "bar/edge_fit.h"
-#include "bar/edge_profile.h"
+#include "bar/edge_blur.h"
 
 #define LINE_PIXELS_MAX 64
 #define STRETCH_LINES_MAX 32
@@ -41,17 +41,6 @@ typedef struct fit_line {
     int count;
     float grey[LINE_PIXELS_MAX];
 } fit_line_t;
-
-/** What a corner off the right angle covers besides the product of its two profiles: their joint
- * normal distribution is a series in the correlation. a and b are distances from the sides in
- * standard deviations, inside the corner positive. */
-static inline float corner_excess(float lean, float a, float density_a, float b, float density_b)
-{
-    const float ab = a * b, aa = a * a - 1.f, bb = b * b - 1.f;
-    return lean * density_a * density_b *
-           (1.f + lean * (0.5f * ab + lean * (aa * bb * (1.f / 6) +
-                                              lean * ab * (aa - 2.f) * (bb - 2.f) * (1.f / 24))));
-}
 
 /** Sum up the pixels of a stretch into `out`; its geometry is the caller's. */
 void stretch_sum(const side_model_t *model, const fit_line_t *lines, int count, stretch_t *out);
