@@ -31,13 +31,23 @@ SIZE(opms_expect_options_t, 48);
 AT(opms_expect_options_t, bar_tilt_rad, 8);
 AT(opms_expect_options_t, min_square_px, 40);
 
-SIZE(opms_calib_view_t, 136);
+SIZE(opms_calib_view_t, 128);
 AT(opms_calib_view_t, target_m, 96);
 AT(opms_calib_view_t, sigma_px, 112);
 AT(opms_calib_view_t, footprints, 120);
 
 AT(opms_calib_foresight_t, gain, 8);
 AT(opms_calib_foresight_t, camera, 16);
+
+SIZE(opms_calib_lens_check_t, 136);
+AT(opms_calib_lens_check_t, residual_rms_px, 16);
+AT(opms_calib_lens_check_t, chi2, 40);
+AT(opms_calib_lens_check_t, shows_centre_px, 120);
+
+SIZE(opms_calib_mounting_check_t, 488);
+AT(opms_calib_mounting_check_t, change, 96);
+AT(opms_calib_mounting_check_t, chi2, 432);
+AT(opms_calib_mounting_check_t, shows_shift_m, 464);
 
 SIZE(opms_expectation_t, 584);
 AT(opms_expectation_t, square_count, 4);
