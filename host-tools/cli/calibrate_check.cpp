@@ -27,6 +27,7 @@ constexpr LensSigmas ASSUMED = {0.001, 0.001, 0.003, 0.01, 0.0003};
 /* How level and how high the head stands on a flat sheet, each time that it is laid there. */
 constexpr double LEVEL_SIGMA_RAD = 0.0009, HEIGHT_SIGMA_M = 0.0002;
 constexpr uint32_t PICTURES_ALONE = 3;
+constexpr double DEG = 180 / 3.14159265358979323846, MM_PER_M = 1e3;
 
 void conclude(CheckResult &result, CheckVerdict verdict, const std::string &reason,
               const std::string &advice)
@@ -232,6 +233,21 @@ const CheckMounting *worst_mounting(const CheckResult &result)
     return worst == result.mountings.end() ? nullptr : &*worst;
 }
 
+std::string offset_text(const opms_calib_mounting_check_t &mounting)
+{
+    const double *const w = mounting.change, *const d = mounting.change + 3;
+    return text_format("%.2f deg and %.1f mm", DEG * std::hypot(w[0], w[1], w[2]),
+                       MM_PER_M * std::hypot(d[0], d[1], d[2]));
+}
+
+/** The new focal length, where the pictures know it by themselves. */
+std::string focal_text(const CameraFile &file, const CheckResult &result)
+{
+    return result.alone ? text_format("; its focal length is %.2f px, not %.2f",
+                                      result.alone->lens.fx_px, file.camera.lens.fx_px)
+                        : std::string();
+}
+
 void judge(const CameraFile &file, CheckResult &result)
 {
     const opms_calib_lens_check_t &lens = result.lens;
@@ -239,12 +255,12 @@ void judge(const CameraFile &file, CheckResult &result)
     if (lens.chi2 > OPMS_CALIB_CHI2_LENS) {
         conclude(result, CheckVerdict::lens_touched,
                  text_format("the lens is not the stated one: it misses the nodes by %.3f px RMS "
-                             "more than it may", misfit_px(lens)),
+                             "more than it may", misfit_px(lens)) + focal_text(file, result),
                  "Fix focus and lens, and calibrate again.");
     } else if (mounting != nullptr && mounting->figures.chi2 > OPMS_CALIB_CHI2_MOUNTING) {
         conclude(result, CheckVerdict::camera_moved,
-                 "the lens holds, but the camera does not sit on the detector as stated (" +
-                     mounting->image + ")",
+                 "the lens holds, but the camera sits " + offset_text(mounting->figures) +
+                     " off its stated place on the detector (" + mounting->image + ")",
                  "Was the head on its marks, level and turned right? Then fix the camera and "
                  "calibrate again.");
     } else if (is_noisy(file, lens)) {
