@@ -149,6 +149,7 @@ opms_status_t opms_grid_detect(opms_grid_detector_t *detector, const opms_image_
     if (certain) {
         mend_centre(detector, &label);
     }
+    straighten_nodes(detector);
     hold_sigmas_to_scatter(detector);
     if (detector->found < NODES_LEAST || !write_nodes(detector, &label, certain)) {
         return OPMS_OK;

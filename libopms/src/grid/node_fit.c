@@ -258,8 +258,7 @@ static vec2_t bent_by(opms_grid_detector_t *d, int i, int j)
     return vec2_length(both) < 1.f ? both : none;
 }
 
-/* All at once: curvatures are those of the neighbours before they are straightened. */
-static void straighten_all(opms_grid_detector_t *d)
+void straighten_nodes(opms_grid_detector_t *d)
 {
     for (int k = 0; k < d->queue_in; ++k) {
         lattice_node_t *node = &d->lattice[d->queue[k]];
@@ -307,7 +306,6 @@ void fit_nodes(opms_grid_detector_t *d)
     }
     d->noise = median(noises, count);
     d->contrast = median(contrasts, count);
-    straighten_all(d);
     drop_unfit(d);
 }
 
@@ -317,6 +315,5 @@ void refit_node(opms_grid_detector_t *d, int i, int j, unsigned without_arms)
     crossing_t crossing;
     if (node && fit_node(d, i, j, node->arms & ~without_arms, &crossing)) {
         keep_fit(node, &crossing);
-        node->at = vec2_add(node->at, bent_by(d, i, j), -1.f);
     }
 }
