@@ -19,7 +19,8 @@ extern "C" {
 
 #define OPMS_CALIB_PICTURES_MAX 1024 /**< most pictures that options may ask for */
 #define OPMS_CALIB_POINTS_MAX 8192   /**< most points of one picture */
-#define OPMS_CALIB_COCKLE_TERMS 12   /**< x^i y^j with 2 <= i + j <= 4 */
+/** x^i y^j with 2 <= i + j <= 4: x2 xy y2 x3 x2y xy2 y3 x4 x3y x2y2 xy3 y4 */
+#define OPMS_CALIB_COCKLE_TERMS 12
 
 /** A point of the target and where it is seen. */
 typedef struct opms_calib_point {
@@ -43,7 +44,7 @@ typedef struct opms_calib_options {
 /** What the pictures do not fix well enough (bits of opms_calib_result_t.warnings). */
 enum {
     /** The target's normal, as the camera sees it, has nearly one direction in all pictures, and
-     * the focal length is known no better than 0.1 %. */
+     * the focal length is known no better than 0.03 %. */
     OPMS_CALIB_ALL_PARALLEL = 1U << 0,
     OPMS_CALIB_FEW_PICTURES = 1U << 1, /**< fewer than 5 */
     OPMS_CALIB_POOR_COVERAGE = 1U << 2, /**< much of the picture's border never held a point */

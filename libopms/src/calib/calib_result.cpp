@@ -29,7 +29,7 @@ constexpr double FIT_LEAST = 0.5;          // inliers a picture must have
 constexpr uint32_t PICTURES_LEAST = 3;
 constexpr int CELLS = 8;                   // of the picture, each way, for the coverage
 constexpr double PARALLEL_RAD = 0.09;      // normals within 5 degrees
-constexpr double PARALLEL_FOCAL = 0.001;   // as well known as this, f is fixed in spite of it
+constexpr double PARALLEL_FOCAL = 3e-4;    // as well known as this, f is fixed in spite of it
 constexpr double COVERAGE_LEAST = 0.6;
 constexpr double FOCAL_OPEN = 0.01, CENTRE_OPEN = 0.02;
 constexpr double RESIDUAL_LARGE = 9.0;     // chi2 per degree of freedom

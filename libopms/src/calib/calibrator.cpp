@@ -113,12 +113,28 @@ double relative_spread(const Mat8 &covariance, const Mat8 &reference)
     return covariance.diagonal().cwiseQuotient(reference.diagonal()).sum();
 }
 
+/* What all pictures say of the lens, and its inverse. A cockle counts as known: what one picture
+ * says of the lens alone is kept for that case only. */
+bool lens_information(const opms_calibrator_t &calibrator, Mat8 &all, Mat8 &covariance)
+{
+    if (!(calibrator.cockle_scale_m > 0.0)) {
+        covariance = calibrator.covariance.topLeftCorner<LENS, LENS>();
+        return invert_lens_information(covariance, all);
+    }
+    all.setZero();
+    for (uint32_t k = 0; k < calibrator.picture_count; ++k) {
+        if (in_use(calibrator.pictures[k])) {
+            all += calibrator.pictures[k].information;
+        }
+    }
+    return invert_lens_information(all, covariance);
+}
+
 /* Part of the lens's information that would be lost without a picture. */
 double gain_of(const opms_calibrator_t &calibrator, const Picture &picture)
 {
-    const Mat8 now = calibrator.covariance.topLeftCorner<LENS, LENS>();
-    Mat8 all, without;
-    if (!invert_lens_information(now, all) ||
+    Mat8 all, now, without;
+    if (!lens_information(calibrator, all, now) ||
         !invert_lens_information(all - picture.information, without)) {
         return LENS; // nothing would be left
     }
