@@ -17,7 +17,8 @@ from pathlib import Path
 import numpy as np
 
 import accuracy
-from bench_build import ROOT, build_bench_locate, install_napa
+from bench_build import ROOT, build_program, install_napa
+from bench_calib_progress import progress
 from bench_calibration import covariance, volume_rows
 from bench_peers import all_peers
 from bench_render import KINDS, Light
@@ -44,6 +45,8 @@ def arguments() -> argparse.Namespace:
                         help="pictures of --data turned by 30 degrees at a time")
     choice.add_argument("--directions", action="store_true",
                         help="simulated bars every 5 degrees, all sizes")
+    choice.add_argument("--progress", action="store_true",
+                        help="time of one more picture in a calibration of 12 and of 60")
     parser.add_argument("--quick", action="store_true", help="few pictures, to see that it works")
     parser.add_argument("--count", type=int, help="number of simulated pictures")
     parser.add_argument("--seed", type=int, default=1)
@@ -64,7 +67,8 @@ def peers_table(options: argparse.Namespace, light: Light) -> bool:
     """The default: all detectors, both scenes, and the sweep for following."""
     count = options.count or (8 if options.quick else 60)
     rounds = 1 if options.quick else 3
-    program = build_bench_locate(options.build, options.work) or Path("bench_locate")
+    program = (build_program("bench_locate", options.build, options.work)
+               or Path("bench_locate"))
     if not options.no_napa:
         install_napa()
     peers = all_peers(not options.no_napa)
@@ -142,6 +146,9 @@ def main() -> int:
         chosen = True
         good &= directions(options.opms, options.work, 30 if options.quick else 5, light,
                            options.seed)
+    if options.progress:
+        chosen = True
+        good &= progress(options.build, options.work)
     if options.covariance:
         chosen = True
         count = options.count or (100 if options.quick else 2000)

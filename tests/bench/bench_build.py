@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the bench needs besides the library: its timing program, and Napa where it may be had."""
+"""What the bench needs besides the library: its timing programs, and Napa where it may be had."""
 
 from __future__ import annotations
 
@@ -12,14 +12,14 @@ ROOT = Path(__file__).resolve().parents[2]
 HERE = Path(__file__).resolve().parent
 
 
-def build_bench_locate(release: Path, work: Path) -> Path | None:
-    """Builds bench_locate against the release build, installed into the bench's own folder."""
+def build_program(name: str, release: Path, work: Path) -> Path | None:
+    """Builds a timing program against the release build, installed into the bench's own folder."""
     prefix, build = work / "installed", work / "program"
     commands = [
         ["cmake", "--install", str(release), "--prefix", str(prefix)],
         ["cmake", "-S", str(HERE), "-B", str(build), "-DCMAKE_BUILD_TYPE=Release",
          f"-DCMAKE_PREFIX_PATH={prefix}"],
-        ["cmake", "--build", str(build), "--target", "bench_locate"],
+        ["cmake", "--build", str(build), "--target", name],
     ]
     for command in commands:
         done = subprocess.run(command, capture_output=True, text=True)
@@ -27,7 +27,7 @@ def build_bench_locate(release: Path, work: Path) -> Path | None:
             print(f"bench: {' '.join(command)}:\n{done.stdout[-500:]}{done.stderr[-1000:]}",
                   file=sys.stderr)
             return None
-    return build / "bench_locate"
+    return build / name
 
 
 def install_napa() -> None:

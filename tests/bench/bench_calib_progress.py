@@ -1,0 +1,27 @@
+# SPDX-License-Identifier: Apache-2.0
+"""How long one more picture takes in a calibration that grows."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+from pathlib import Path
+
+from bench_build import build_program
+
+MOST_US = 20_000
+
+
+def progress(build: Path, work: Path) -> bool:
+    """Prints the times; false where one is over 20 ms or the program cannot be built."""
+    program = build_program("bench_calib_progress", build, work)
+    if program is None:
+        return False
+    row = json.loads(subprocess.run([program], check=True, capture_output=True, text=True).stdout)
+    print(f"| one more picture of {row['nodes']} nodes, add and solve | median |\n|---|---|")
+    for count in (12, 60):
+        print(f"| the {count}th | {row[f'picture_{count}_us'] / 1e3:.2f} ms |")
+    print(f"| foreseeing what it would do | {row['foresee_us'] / 1e3:.2f} ms |")
+    good = all(row[f"picture_{count}_us"] < MOST_US for count in (12, 60))
+    print(f"\nprogress: {'pass' if good else 'FAIL'}: under {MOST_US // 1000} ms")
+    return good
