@@ -1,4 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
+#include <cmath>
+
 #include <nlohmann/json.hpp>
 
 #include "calibrate_text.hpp"
@@ -7,7 +9,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr double DEG = 180 / 3.14159265358979323846;
+constexpr double DEG = 180 / 3.14159265358979323846, MM_PER_M = 1e3;
 
 Json json_vector(const double *values, int count)
 {
@@ -98,9 +100,78 @@ void add_mounting(Json &row, const CalibrateResult &result)
     row["footprints"] = footprints;
 }
 
+Json json_variance(const PoseVariance &variance)
+{
+    Json position = Json::array(), rotation = Json::array();
+    for (int i = 0; i < 3; i++) {
+        position.push_back(MM_PER_M * std::sqrt(variance.position_m2[i]));
+        rotation.push_back(DEG * std::sqrt(variance.rotation_rad2[i]));
+    }
+    return {{"position_mm", position},
+            {"position_rms_mm", MM_PER_M * variance.position_rms_m()},
+            {"rotation_deg", rotation},
+            {"rotation_rms_deg", DEG * variance.rotation_rms_rad()}};
+}
+
+/** The sheet's height over a plane: a sum of terms in X / scale and Y / scale. */
+Json json_cockle(const opms_calib_result_t &calib)
+{
+    Json terms = Json::array();
+    int k = 0;
+    for (int degree = 2; degree <= 4; degree++) {
+        for (int y_power = 0; y_power <= degree; y_power++, k++) {
+            terms.push_back({{"x_power", degree - y_power},
+                             {"y_power", y_power},
+                             {"height_mm", MM_PER_M * calib.cockle_m[k]}});
+        }
+    }
+    return {{"peak_m", calib.cockle_peak_m}, {"scale_m", calib.cockle_scale_m}, {"terms", terms}};
+}
+
+Json json_next(const CalibrateAdvice &next, const std::string &words)
+{
+    Json row = {{"advice", words},
+                {"towards", next.towards},
+                {"tilt_deg", DEG * next.tilt_rad},
+                {"distance_m", next.distance_m},
+                {"node_count", next.nodes},
+                {"gain", next.gain}};
+    if (next.now_m && next.then_m) {
+        row["position_mm_now"] = MM_PER_M * *next.now_m;
+        row["position_mm_then"] = MM_PER_M * *next.then_m;
+    }
+    row["R_grid_camera"] = json_matrix(next.grid_camera.R, 3, 3);
+    row["t_grid_camera_m"] = json_vector(next.grid_camera.t_m, 3);
+    return row;
+}
+
+Json json_expected(const ExpectedError &expected)
+{
+    const ExpectedBox box = expected_working_volume();
+    opms_expect_options_t light;
+    opms_expect_options_init(&light);
+    Json row = {{"volume",
+                 {{"x_m", {box.low_m[0], box.high_m[0]}},
+                  {"y_m", {box.low_m[1], box.high_m[1]}},
+                  {"z_m", {box.low_m[2], box.high_m[2]}}}},
+                {"light",
+                 {{"contrast", light.contrast}, {"noise", light.noise},
+                  {"blur_px", light.blur_px}}},
+                {"places", expected.places},
+                {"places_seen", expected.places_seen}};
+    if (expected.places_seen > 0) {
+        row["parts"] = {{"image", json_variance(expected.image)},
+                        {"lens", json_variance(expected.lens)},
+                        {"placing", json_variance(expected.placing)},
+                        {"calibration", json_variance(expected.calibration())},
+                        {"total", json_variance(expected.total())}};
+    }
+    return row;
+}
+
 }  // namespace
 
-std::string calibrate_json(const CalibrateResult &result, const std::string &out)
+nlohmann::ordered_json calibrate_row(const CalibrateResult &result, const std::string &out)
 {
     Json row;
     row["schema"] = "opms.calibrate/1";
@@ -113,14 +184,26 @@ std::string calibrate_json(const CalibrateResult &result, const std::string &out
     }
     if (result.has_solution) {
         add_lens(row, result.calib);
+        if (result.calib.cockle_scale_m > 0) {
+            row["cockle"] = json_cockle(result.calib);
+        }
         if (result.state == CalibrateState::calibrated) {
             add_mounting(row, result);
+            row["expected"] = json_expected(*result.expected);
         }
+    }
+    if (result.next) {
+        row["next"] = json_next(*result.next, result.next_words);
     }
     row["pictures"] = Json::array();
     for (const CalibratePicture &picture : result.pictures) {
         row["pictures"].push_back(json_picture(picture, result.has_solution));
     }
+    return row;
+}
+
+std::string calibrate_json(const CalibrateResult &result, const std::string &out)
+{
     /* A file's name may be any bytes. */
-    return row.dump(-1, ' ', false, Json::error_handler_t::replace);
+    return calibrate_row(result, out).dump(-1, ' ', false, Json::error_handler_t::replace);
 }

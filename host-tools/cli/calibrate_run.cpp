@@ -65,12 +65,13 @@ bool check_read(CalibrateResult &result)
     return true;
 }
 
-CalibratorHandle make_calibrator(CalibrateResult &result)
+CalibratorHandle make_calibrator(const CalibrateJob &job, CalibrateResult &result)
 {
     opms_calib_options_t options;
     opms_calib_options_init(&options);
     options.width_px = result.pictures.front().grid.width_px;
     options.height_px = result.pictures.front().grid.height_px;
+    options.cockle_sigma_m = job.cockle_sigma_m;
     options.pictures_max = static_cast<uint32_t>(usable_count(result));
     opms_calibrator_t *calibrator = nullptr;
     opms_error_t error = {};
@@ -113,6 +114,10 @@ void sort_out(const opms_calibrator_t *calibrator, CalibrateResult &result,
             continue;
         }
         opms_calibrator_picture(calibrator, *picture.index, &picture.solved, nullptr);
+        picture.weights.resize(picture.grid.nodes.size());
+        picture.residuals_px.resize(2 * picture.weights.size());
+        opms_calibrator_residuals(calibrator, *picture.index, picture.residuals_px.data(),
+                                  picture.weights.data(), nullptr);
         if (picture.solved.use != OPMS_CALIB_USED) {
             picture.left_out = use_text(picture.solved.use);
             talk(picture.grid.image + ": left out: " + picture.left_out);
@@ -157,10 +162,32 @@ std::vector<opms_footprint_t> usable_footprints(const CalibrateJob &job, Calibra
     return usable;
 }
 
-void place_camera(const opms_calibrator_t *calibrator, const CalibrateJob &job,
+std::vector<opms_footprint_t> placed_exactly(std::vector<opms_footprint_t> footprints)
+{
+    for (opms_footprint_t &footprint : footprints) {
+        footprint.sigma_m = footprint.sigma_rad = 0;
+    }
+    return footprints;
+}
+
+/** The camera on the detector. @return false with why not in @p result. */
+bool place_camera(const opms_calibrator_t *calibrator,
+                  const std::vector<opms_footprint_t> &footprints, opms_camera_t &camera,
                   CalibrateResult &result)
 {
-    const std::vector<opms_footprint_t> footprints = usable_footprints(job, result);
+    opms_error_t error = {};
+    if (opms_calibrator_camera(calibrator, footprints.data(),
+                               static_cast<uint32_t>(footprints.size()), &camera,
+                               &error) != OPMS_OK) {
+        fail(result, CalibrateState::unsolved, error.message);
+        return false;
+    }
+    return true;
+}
+
+void place_cameras(const opms_calibrator_t *calibrator, const CalibrateJob &job,
+                   const std::vector<opms_footprint_t> &footprints, CalibrateResult &result)
+{
     if (footprints.empty()) {
         fail(result, CalibrateState::bad_pictures,
              "no picture on the footprint can be used (" + job.footprints.front().image +
@@ -168,14 +195,28 @@ void place_camera(const opms_calibrator_t *calibrator, const CalibrateJob &job,
                  "marker in sight");
         return;
     }
-    opms_error_t error = {};
-    if (opms_calibrator_camera(calibrator, footprints.data(),
-                               static_cast<uint32_t>(footprints.size()), &result.camera,
-                               &error) != OPMS_OK) {
-        fail(result, CalibrateState::unsolved, error.message);
+    if (!place_camera(calibrator, footprints, result.camera, result) ||
+        !place_camera(calibrator, placed_exactly(footprints), result.placed, result)) {
         return;
     }
     result.state = CalibrateState::calibrated;
+    result.expected = expected_over(result.camera, result.placed, expected_working_volume());
+}
+
+/** The picture to take next, told from the first that was used. */
+void advise(const opms_calibrator_t *calibrator, const std::vector<opms_footprint_t> &footprints,
+            CalibrateResult &result)
+{
+    const auto first = std::find_if(result.pictures.begin(), result.pictures.end(),
+                                    [](const CalibratePicture &p) { return p.used(); });
+    result.next = calibrate_advice(calibrator, *first->index, placed_exactly(footprints));
+    if (result.next) {
+        std::optional<double> total_m;
+        if (result.expected && result.expected->places_seen > 0) {
+            total_m = result.expected->total().position_rms_m();
+        }
+        result.next_words = calibrate_advice_words(*result.next, total_m);
+    }
 }
 
 }  // namespace
@@ -187,7 +228,7 @@ CalibrateResult calibrate_run(const CalibrateJob &job, const CalibrateTalk &talk
     if (!check_read(result)) {
         return result;
     }
-    const CalibratorHandle calibrator = make_calibrator(result);
+    const CalibratorHandle calibrator = make_calibrator(job, result);
     if (!calibrator) {
         return result;
     }
@@ -202,11 +243,13 @@ CalibrateResult calibrate_run(const CalibrateJob &job, const CalibrateTalk &talk
     talk(text_format("solved: %u pictures, %u nodes, %u outliers, residual %.3f px RMS",
                      result.calib.pictures_used, result.calib.points_used, result.calib.outliers,
                      result.calib.residual_rms_px));
+    const std::vector<opms_footprint_t> footprints = usable_footprints(job, result);
     if (result.calib.warnings & CALIBRATE_OPEN) {
         fail(result, CalibrateState::undetermined,
              "the pictures do not fix the camera: tilt it in other ways between them");
-        return result;
+    } else {
+        place_cameras(calibrator.get(), job, footprints, result);
     }
-    place_camera(calibrator.get(), job, result);
+    advise(calibrator.get(), footprints, result);
     return result;
 }

@@ -14,6 +14,8 @@
 #include <opms/calib.h>
 #include <opms/types.h>
 
+#include "calibrate_advice.hpp"
+#include "expected_volume.hpp"
 #include "grid_reader.hpp"
 
 /** Where the head stood on the grid when a picture was taken. */
@@ -26,6 +28,7 @@ struct CalibrateJob {
     std::vector<std::string> images;        /**< in the order they were taken */
     std::vector<FootprintPlace> footprints; /**< of some of them; the first goes into the file */
     double footprint_sigma_m = 0, footprint_sigma_rad = 0;
+    double cockle_sigma_m = 0; /**< as in opms_calib_options_t; 0: the sheet is flat */
     uint16_t white_level = 0;
 };
 
@@ -35,6 +38,8 @@ struct CalibratePicture {
     std::string left_out;          /**< why it takes no part; empty where it does */
     std::optional<uint32_t> index; /**< in the calibrator */
     opms_calib_picture_t solved = {};
+    std::vector<double> residuals_px; /**< two a node, where used: measured less calculated */
+    std::vector<double> weights;      /**< one a node: robust, 0 to 1 */
 
     bool used() const { return left_out.empty() && index.has_value(); }
 };
@@ -54,6 +59,10 @@ struct CalibrateResult {
     opms_calib_result_t calib = {};
     std::vector<FootprintPlace> footprints; /**< those that were used */
     opms_camera_t camera = {};              /**< complete where calibrated */
+    opms_camera_t placed = {};              /**< the same, had the footprints been exact */
+    std::optional<ExpectedError> expected;  /**< of positions, where calibrated */
+    std::optional<CalibrateAdvice> next;    /**< the picture to take next, where solved */
+    std::string next_words;                 /**< a sentence about it */
 };
 
 /** Warnings without which there is no camera to speak of. */

@@ -11,9 +11,10 @@ constexpr double DEG = 180 / 3.14159265358979323846;
 
 constexpr CalibrateWarning WARNINGS[] = {
     {OPMS_CALIB_ALL_PARALLEL, "all_parallel",
-     "The camera looks at the grid from nearly one direction in all pictures, so an error of the "
-     "lens cannot be told from one of the poses. Tilt the detector by 15 degrees or more to "
-     "different sides and take more pictures."},
+     "The grid leans nearly the same way in all pictures, so an error of the focal length cannot "
+     "be told from one of the heights. Turning the detector on the spot, or walking around the "
+     "grid, does not help. Tilt the detector by 15 degrees or more to different sides and take "
+     "more pictures."},
     {OPMS_CALIB_FEW_PICTURES, "few_pictures",
      "Fewer than 5 pictures were used. A dozen, at different heights and tilts, makes errors "
      "show."},
@@ -72,6 +73,20 @@ std::string mounting_text(const opms_camera_t &camera)
     return text;
 }
 
+std::string expected_text(const ExpectedError &expected)
+{
+    if (expected.places_seen == 0) {
+        return "expected position error: the bar is not in view over the working volume\n";
+    }
+    return text_format("expected position error, RMS over the working volume: %.2f mm, %.3f deg "
+                       "(lens %.2f, placing on the footprint %.2f, noise of the picture %.2f mm)\n",
+                       1e3 * expected.total().position_rms_m(),
+                       DEG * expected.total().rotation_rms_rad(),
+                       1e3 * expected.lens.position_rms_m(),
+                       1e3 * expected.placing.position_rms_m(),
+                       1e3 * expected.image.position_rms_m());
+}
+
 std::string picture_line(const CalibratePicture &picture, std::size_t width, bool has_solution)
 {
     const std::string start = "  " + text_padded(picture.grid.image, width);
@@ -128,12 +143,19 @@ std::string calibrate_text(const CalibrateResult &result, const std::string &out
     std::string text = pictures_text(result);
     if (result.has_solution) {
         text += summary_text(result.calib) + lens_text(result.calib);
+        if (result.calib.cockle_scale_m > 0) {
+            text += text_format("sheet: %.2f mm from its lowest to its highest node\n",
+                                1e3 * result.calib.cockle_peak_m);
+        }
         if (result.state == CalibrateState::calibrated) {
-            text += mounting_text(result.camera);
+            text += mounting_text(result.camera) + expected_text(*result.expected);
         }
         for (const CalibrateWarning &warning : calibrate_warnings(result.calib.warnings)) {
             text += std::string("warning: ") + warning.advice + "\n";
         }
+    }
+    if (result.next) {
+        text += "next: " + result.next_words + "\n";
     }
     return text + (out.empty() ? "no camera file was written: " + result.reason
                                : "written: " + out);

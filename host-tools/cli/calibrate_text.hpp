@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include <nlohmann/json.hpp>
+
 #include "calibrate_run.hpp"
 
 /** A warning of opms_calib_result_t: its name for programs, and what to do about it. */
@@ -24,6 +26,9 @@ std::vector<CalibrateWarning> calibrate_warnings(uint32_t bits);
 std::string calibrate_text(const CalibrateResult &result, const std::string &out);
 
 /** One object of schema opms.calibrate/1. */
+nlohmann::ordered_json calibrate_row(const CalibrateResult &result, const std::string &out);
+
+/** The same as text. */
 std::string calibrate_json(const CalibrateResult &result, const std::string &out);
 
 #endif

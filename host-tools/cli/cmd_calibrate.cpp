@@ -12,11 +12,13 @@
 #include <CLI/CLI.hpp>
 
 #include "calibrate_check.hpp"
+#include "calibrate_report.hpp"
 #include "calibrate_run.hpp"
 #include "calibrate_text.hpp"
 #include "camera_file.hpp"
 #include "camera_file_write.hpp"
 #include "commands.hpp"
+#include "report_file.hpp"
 #include "result_stream.hpp"
 
 namespace {
@@ -26,6 +28,7 @@ constexpr double RAD = 3.14159265358979323846 / 180, MM_PER_M = 1e3;
 constexpr const char *SIGMA_DEFAULT = "0.5,0.2";
 constexpr const char *FOOTPRINT_DEFAULT = "350,0,0";
 constexpr double PLACE_MOST_MM = 10000, TURN_MOST_DEG = 360;
+constexpr double COCKLE_MOST_MM = 100;
 constexpr double SIGMA_MOST_MM = 500, SIGMA_MOST_DEG = 45;
 
 struct CalibrateArguments {
@@ -36,6 +39,8 @@ struct CalibrateArguments {
     std::string out;
     std::string check; /**< a camera file to check instead */
     std::string name;
+    std::string report;
+    double cockle_mm = 0;
     unsigned white_level = 0;
     bool json = false;
     std::vector<std::string> images;
@@ -131,6 +136,7 @@ bool make_job(const CalibrateArguments &arguments, CalibrateJob &job, std::strin
 {
     job.images = arguments.images;
     job.white_level = static_cast<uint16_t>(arguments.white_level);
+    job.cockle_sigma_m = arguments.cockle_mm / MM_PER_M;
     parse_sigma(arguments.footprint_sigma, job.footprint_sigma_m, job.footprint_sigma_rad);
     FootprintPlace first;
     first.image = arguments.images.front();
@@ -243,6 +249,28 @@ int exit_code_of(CalibrateState state)
     return EXIT_CODE_INPUT;
 }
 
+bool may_report(const CalibrateArguments &arguments, std::string &error)
+{
+    return arguments.report.empty() || report_open_folder(arguments.report, error);
+}
+
+/** @return false where a report was asked for and could not be written. */
+bool report(const CalibrateArguments &arguments, const CalibrateJob &job,
+            const CalibrateResult &result, const std::string &written)
+{
+    std::string error;
+    if (arguments.report.empty()) {
+        return true;
+    }
+    const CalibrateAsked asked = {arguments.grid, arguments.name, arguments.out};
+    if (!report_write(arguments.report, calibrate_report(job, asked, result, written), error)) {
+        talk(error);
+        return false;
+    }
+    talk("report: " + arguments.report + "/report.html");
+    return true;
+}
+
 int calibrate(const CalibrateArguments &arguments)
 {
     CalibrateJob job;
@@ -254,7 +282,7 @@ int calibrate(const CalibrateArguments &arguments)
     if (!arguments.check.empty()) {
         return check(arguments, job);
     }
-    if (!opms_host::camera_file_may_write(arguments.out, error)) {
+    if (!opms_host::camera_file_may_write(arguments.out, error) || !may_report(arguments, error)) {
         talk(error);
         return EXIT_CODE_INPUT;
     }
@@ -272,6 +300,9 @@ int calibrate(const CalibrateArguments &arguments)
         }
     } else {
         talk(result.reason);
+    }
+    if (!report(arguments, job, result, written)) {
+        exit_code = EXIT_CODE_INPUT;
     }
     ResultStream out;
     const std::string text =
@@ -346,6 +377,15 @@ void add_cmd_calibrate(CLI::App &app, int &exit_code)
             ->type_name("CAMERA.yaml");
     cmd->add_option("--name", arguments->name, "The camera's name in the file")
         ->type_name("NAME")
+        ->excludes(check_option);
+    cmd->add_option("--cockle", arguments->cockle_mm,
+                    "The sheet may be this much off a plane: estimate by how much [0]")
+        ->type_name("MM")
+        ->check(CLI::Range(0.0, COCKLE_MOST_MM).description(""))
+        ->excludes(check_option);
+    cmd->add_option("--report", arguments->report,
+                    "Also write DIR/report.html: how good it is, and what to do again")
+        ->type_name("DIR")
         ->excludes(check_option);
     cmd->add_option("--white-level", arguments->white_level,
                     "Grey level at saturation, 4095 for 12 bit in 16 [255 or 65535]")
