@@ -15,7 +15,7 @@
 #define PIXELS_LEAST 10
 #define NOISY_LEAST 5
 #define SATURATED_PART 0.02f /* of a stretch's pixels, from which on its white is cut */
-#define REACH 3.5f           /* standard deviations from where on a step has no effect */
+#define REACH STRETCH_REACH
 #define CUT_REACH 4.f        /* noises below the cut from where on it has none */
 
 enum { C_W, C_G, C_SHAPE, C_GREY = C_SHAPE + CLIP_SHAPE, COLUMNS };
@@ -58,23 +58,17 @@ static inline shaped_profile_t shaped_at(const edge_blur_t *blur, lanes_t s)
 
 /** How much of the code cells beyond the side is black at a position along it, under the blur;
  * `ends` gets what the lean adds to that. */
-static inline lanes_t cells_at(const side_model_t *model, lanes_t along, lanes_t *ends)
+static inline lanes_t cells_at(const side_model_t *model, const cell_ends_t *near, lanes_t along,
+                               lanes_t *ends)
 {
     const float along_sigma = model->along_px / model->along_scale;
-    lanes_t sum = lanes_of(0.f);
-    *ends = sum;
-    /* Only where black begins or ends is there anything to add. */
-    float before = 0.f;
-    for (int i = 0; i <= BAR_CELLS; ++i) {
-        const float black = i < BAR_CELLS && (model->cells >> i & 1u) ? 1.f : 0.f;
-        const float turn = black - before;
-        before = black;
-        if (turn < 0.f || turn > 0.f) {
-            const lanes_t from = (along - (float)BAR_CELL_X_MM * (float)(i - 3)) * model->along_px;
-            const normal_lanes_t end = edge_lanes_blurred(&model->blur_along, from);
-            sum += turn * end.step;
-            *ends -= turn * end.pulse * along_sigma;
-        }
+    lanes_t sum = lanes_of(near->base);
+    *ends = lanes_of(0.f);
+    for (int i = 0; i < near->count; ++i) {
+        const lanes_t from = (along - near->at_mm[i]) * model->along_px;
+        const normal_lanes_t end = edge_lanes_blurred(&model->blur_along, from);
+        sum += near->sign[i] * end.step;
+        *ends -= near->sign[i] * end.pulse * along_sigma;
     }
     return sum;
 }
@@ -92,15 +86,20 @@ static inline lanes_t cross_pulse(const edge_blur_t *blur, lanes_t s, lanes_t pu
 
 /** What the model has within reach of a stretch. */
 typedef struct stretch_parts {
-    int end, cells;
+    int end, cells, cells_far;
+    cell_ends_t cell_ends;
 } stretch_parts_t;
 
 static stretch_parts_t parts_of(const side_model_t *model, const line_pixels_t *pixels)
 {
-    const float along = fmaxf(pixels->along_high, -pixels->along_low);
-    const stretch_parts_t parts = {
-        (model->end_at - along) * model->along_scale < REACH,
-        model->cells && (pixels->s_high - model->cell_near) * model->per_sigma > -REACH};
+    const float low = pixels->along_low, high = pixels->along_high;
+    stretch_parts_t parts = {.end = 0};
+    parts.end = (model->end_at - fmaxf(high, -low)) * model->along_scale < REACH;
+    if (model->cells && (pixels->s_high - model->cell_near) * model->per_sigma > -REACH) {
+        parts.cell_ends = stretch_cell_ends(model, low, high);
+        parts.cells = parts.cell_ends.count > 0 || parts.cell_ends.base > 0.f;
+        parts.cells_far = (pixels->s_high - model->cell_far) * model->per_sigma > -REACH;
+    }
     return parts;
 }
 
@@ -125,22 +124,29 @@ static inline void add_end(const side_model_t *model, lanes_t s, lanes_t along,
 }
 
 /** The code cells beyond the gap. */
-static inline void add_cells(const side_model_t *model, lanes_t s, lanes_t along,
-                             shaped_profile_t *w)
+static inline void add_cells(const side_model_t *model, const stretch_parts_t *parts, lanes_t s,
+                             lanes_t along, shaped_profile_t *w)
 {
+    const lanes_t from_near = s - model->cell_near;
+    shaped_profile_t across = shaped_at(&model->blur, from_near);
+    lanes_t crossed = cross_pulse(&model->blur, from_near, across.pulse);
+    if (parts->cells_far) {
+        const lanes_t from_far = s - model->cell_far;
+        const shaped_profile_t far = shaped_at(&model->blur, from_far);
+        across.step -= far.step;
+        across.pulse -= far.pulse;
+        across.by_box -= far.by_box;
+        across.by_gauss -= far.by_gauss;
+        crossed -= cross_pulse(&model->blur, from_far, far.pulse);
+    }
     lanes_t ends;
-    const lanes_t cells = cells_at(model, along, &ends);
-    const shaped_profile_t near = shaped_at(&model->blur, s - model->cell_near);
-    const shaped_profile_t far = shaped_at(&model->blur, s - model->cell_far);
-    w->step -= cells * (near.step - far.step) +
-               model->lean * ends * (far.pulse - near.pulse) / model->per_sigma;
-    const lanes_t by_cross = ends * (-model->along_scale / model->along_px) *
-                             (cross_pulse(&model->blur, s - model->cell_far, far.pulse) -
-                              cross_pulse(&model->blur, s - model->cell_near, near.pulse));
+    const lanes_t cells = cells_at(model, &parts->cell_ends, along, &ends);
+    w->step -= cells * across.step - model->lean * ends * across.pulse / model->per_sigma;
+    const lanes_t by_cross = ends * (model->along_scale / model->along_px) * crossed;
     w->step += model->cross * by_cross;
     w->by_cross += by_cross;
-    w->by_box -= cells * (near.by_box - far.by_box);
-    w->by_gauss -= cells * (near.by_gauss - far.by_gauss);
+    w->by_box -= cells * across.by_box;
+    w->by_gauss -= cells * across.by_gauss;
 }
 
 /** Fill the columns from the pixels' coverages. */
@@ -160,7 +166,7 @@ static void model_pixels(const side_model_t *model, float clip, const line_pixel
             add_end(model, s, along, &w);
         }
         if (parts.cells) {
-            add_cells(model, s, along, &w);
+            add_cells(model, &parts, s, along, &w);
         }
         /* The mean of a noisy level that is cut. */
         const lanes_t z = (clip - w.step) * model->per_cut_noise;

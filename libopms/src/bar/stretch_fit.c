@@ -17,7 +17,7 @@
 
 #define PIXELS_LEAST 10
 
-#define REACH 3.5f      /* standard deviations from where on a step has no effect */
+#define REACH STRETCH_REACH
 
 /** The pixels of a stretch, and the regressors of its fit. */
 typedef struct fit_pixels {
@@ -92,15 +92,7 @@ static void add_levels(fit_sums_t *sums, const grey_levels_t *levels)
     }
 }
 
-/** The ends of black cells that lie within reach of a stretch. */
-typedef struct cell_ends {
-    float base; /* black at the stretch's lower end: 0 or 1 */
-    int count;
-    float at_mm[BAR_CELLS + 1], sign[BAR_CELLS + 1];
-} cell_ends_t;
-
-/** Which part of the code cells beyond the side a stretch from `low` to `high` mm sees. */
-static cell_ends_t cells_near(const side_model_t *model, float low, float high)
+cell_ends_t stretch_cell_ends(const side_model_t *model, float low, float high)
 {
     cell_ends_t ends = {.count = 0};
     const float reach = REACH / model->along_scale;
@@ -149,7 +141,7 @@ static stretch_parts_t parts_of(const side_model_t *model, const fit_pixels_t *p
     stretch_parts_t parts = {.end = 0};
     parts.end = (model->end_at - (high > -low ? high : -low)) * model->along_scale < REACH;
     if (model->cells && (pixels->of.s_high - model->cell_near) * model->per_sigma > -REACH) {
-        parts.cell_ends = cells_near(model, low, high);
+        parts.cell_ends = stretch_cell_ends(model, low, high);
         parts.cells = parts.cell_ends.count > 0 || parts.cell_ends.base > 0.f;
         parts.cells_far = (pixels->of.s_high - model->cell_far) * model->per_sigma > -REACH;
     }

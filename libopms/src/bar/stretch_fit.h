@@ -5,6 +5,7 @@
 #define OPMS_BAR_STRETCH_FIT_H
 
 #include "bar/edge_fit.h"
+#include "bar/bar_code.h"
 #include "bar/edge_blur.h"
 
 #define LINE_PIXELS_MAX 64
@@ -41,6 +42,18 @@ typedef struct fit_line {
     int count;
     float grey[LINE_PIXELS_MAX];
 } fit_line_t;
+
+#define STRETCH_REACH 3.5f /**< standard deviations from where on a step has no effect */
+
+/** The ends of black cells that lie within reach of a stretch. */
+typedef struct cell_ends {
+    float base; /**< black at the stretch's lower end: 0 or 1 */
+    int count;
+    float at_mm[BAR_CELLS + 1], sign[BAR_CELLS + 1];
+} cell_ends_t;
+
+/** Which part of the code cells beyond the side a stretch from `low` to `high` mm sees. */
+cell_ends_t stretch_cell_ends(const side_model_t *model, float low, float high);
 
 /** Sum up the pixels of a stretch into `out`; its geometry is the caller's. */
 void stretch_sum(const side_model_t *model, const fit_line_t *lines, int count, stretch_t *out);
