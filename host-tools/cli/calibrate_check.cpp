@@ -23,7 +23,7 @@ struct LensSigmas {
 /* What warmth and the sheet's paper do is no one's touch, and no position suffers from it. */
 constexpr LensSigmas BREATHING = {0.0002, 0.0001, 0.0003, 0.0003, 0.00003};
 /* Of a lens from elsewhere, without a covariance: what a careful calibration reaches. */
-constexpr LensSigmas ASSUMED = {0.001, 0.001, 0.003, 0.01, 0.0003};
+constexpr LensSigmas ASSUMED = {0.0007, 0.0007, 0.003, 0.01, 0.0003};
 /* How level and how high the head stands on a flat sheet, each time that it is laid there. */
 constexpr double LEVEL_SIGMA_RAD = 0.0009, HEIGHT_SIGMA_M = 0.0002;
 constexpr uint32_t PICTURES_ALONE = 3;

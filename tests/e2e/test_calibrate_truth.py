@@ -16,7 +16,7 @@ from truth import position_error_mm
 OPMS = os.environ.get("OPMS", "opms")
 DATA = Path(__file__).resolve().parents[1] / "data"
 PICTURES = sorted((DATA / "grid").glob("*.png"))
-CHI2_95_OF_8, CHI2_95_OF_6 = 15.5, 12.6
+CHI2_95_OF_8, CHI2_95_OF_6, CHI2_999_OF_6 = 15.5, 12.6, 22.5
 
 
 def run(*arguments):
@@ -109,6 +109,21 @@ class Calibration(unittest.TestCase):
                   f"{position_error_mm(row, truth):.3f} mm")
         self.assertEqual(len(errors), 4)
         self.assertLess(rms(errors), 0.6)
+
+    def test_the_detectors_pose_lies_in_its_stated_region(self):
+        """With the head said to stand without error, lens and image are all that is left."""
+        exact = self.out.with_name("exact.yaml")
+        run("calibrate", "--grid", "a0-25", "--footprint-sigma", "0,0", "--out", exact, *PICTURES)
+        for picture in sorted((DATA / "bar").glob("*.png")):
+            truth = json.loads(picture.with_suffix(".json").read_text())
+            row = json.loads(run("locate", "--json", "--tilt-deg", truth["bar_tilt_deg"],
+                                 "--camera", exact, picture).stdout)
+            error = rotation_vector(row["R_ground_detector"], truth["R_ground_detector"])
+            error += [t - m for t, m in zip(truth["t_ground_detector_m"],
+                                            row["t_ground_detector_m"])]
+            distance = chi2(error, row["covariance_ground_detector"])
+            print(f"{picture.name}: detector chi2 {distance:.1f} of 6")
+            self.assertLess(distance, CHI2_999_OF_6)
 
     def test_a_footprint_counts_for_the_picture_it_names(self):
         """The head named 10 mm further right puts the camera 10 mm further left on it. A copy of
