@@ -149,8 +149,9 @@ std::string maps(const ReportJson &report)
                               html_traced(report, "/expected/map/head_z_m", 1, 1e3) +
                               " mm above the ground.";
     return "<div class=\"row\">\n" +
-           map_of(map, "unplaced_mm", "<b>Lens and noise</b>, had the head been laid exactly on its "
-                                      "footprint." + where) +
+           map_of(map, "unplaced_mm",
+                  "<b>Lens and noise</b>, had the head been laid exactly on its footprint." +
+                      where) +
            map_of(map, "total_mm", "<b>All together.</b>" + where) + "</div>\n";
 }
 

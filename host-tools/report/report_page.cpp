@@ -21,5 +21,6 @@ std::string report_page(const ReportJson &report)
            title + "</title>\n<style>\n" + report_style() + "</style>\n</head>\n<body>\n<main>\n" +
            "<h1>" + title + "</h1>\n" + report_verdict(report) + report_expected(report) +
            report_residuals(report) + report_pictures(report) + report_plane(report) +
-           report_places(report) + report_lens(report) + report_original(report) + report_origin(report) + "</main>\n</body>\n</html>\n";
+           report_places(report) + report_lens(report) + report_original(report) +
+           report_origin(report) + "</main>\n</body>\n</html>\n";
 }

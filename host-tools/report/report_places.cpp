@@ -87,10 +87,12 @@ void draw_sheet(SvgCanvas &canvas, const Side &side)
 {
     std::vector<std::pair<SvgPoint, SvgPoint>> lines;
     for (int i = -4; i <= 4; i++) {
-        lines.push_back({side.at({i * LINE_M, -SHEET_Y_M, 0}), side.at({i * LINE_M, SHEET_Y_M, 0})});
+        const double x = i * LINE_M;
+        lines.push_back({side.at({x, -SHEET_Y_M, 0}), side.at({x, SHEET_Y_M, 0})});
     }
     for (int j = -5; j <= 5; j++) {
-        lines.push_back({side.at({-SHEET_X_M, j * LINE_M, 0}), side.at({SHEET_X_M, j * LINE_M, 0})});
+        const double y = j * LINE_M;
+        lines.push_back({side.at({-SHEET_X_M, y, 0}), side.at({SHEET_X_M, y, 0})});
     }
     canvas.segments(lines, "grid");
     canvas.polyline({side.at({-SHEET_X_M, -SHEET_Y_M, 0}), side.at({SHEET_X_M, -SHEET_Y_M, 0}),

@@ -19,9 +19,12 @@ def progress(build: Path, work: Path) -> bool:
         return False
     row = json.loads(subprocess.run([program], check=True, capture_output=True, text=True).stdout)
     print(f"| one more picture of {row['nodes']} nodes, add and solve | median |\n|---|---|")
-    for count in (12, 60):
-        print(f"| the {count}th | {row[f'picture_{count}_us'] / 1e3:.2f} ms |")
-    print(f"| foreseeing what it would do | {row['foresee_us'] / 1e3:.2f} ms |")
-    good = all(row[f"picture_{count}_us"] < MOST_US for count in (12, 60))
-    print(f"\nprogress: {'pass' if good else 'FAIL'}: under {MOST_US // 1000} ms")
+    for title, figure in (("the 12th", "picture_12_us"),
+                          ("the 60th, the best dozen in use", "dozen_of_60_us"),
+                          ("the 60th, all in use", "picture_60_us"),
+                          ("foreseeing what it would do", "foresee_us")):
+        print(f"| {title} | {row[figure] / 1e3:.2f} ms |")
+    good = all(row[figure] < MOST_US for figure in ("picture_12_us", "dozen_of_60_us"))
+    print(f"\nprogress: {'pass' if good else 'FAIL'}: with a dozen in use under "
+          f"{MOST_US // 1000} ms")
     return good
