@@ -109,7 +109,7 @@ void Selftest::run()
     check_clock();
     if (check_arm()) {
         if (check_preamble() && wait_start()) {
-            check_run();
+            check_run("run");
         }
         check_reports();
         check_stop();

@@ -98,14 +98,16 @@ private:
     bool check_gaps();
     void check_reports();
     bool wait_start();
-    void check_run();
+    void check_run(const std::string &name);
     void check_stop();
     void check_history();
     void check_losses();
 
     /* box_selftest_loopback.cpp */
     void check_loopback();
+    bool put_settings(const std::string &name, const opms_settings_t &settings);
     void check_loopback_pulses();
+    void check_loopback_run();
 
     const BoxDevice &device_;
     const SelftestOptions options_;

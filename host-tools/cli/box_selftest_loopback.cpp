@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* With a jumper from TRIG to START the box sees its own pulses. A run cannot be started so, since
- * START during the preamble would end it; with a debounce longer than a pulse each one comes back
- * as a glitch instead, whose length is measured: both pins, and the wire between, are good. */
+/* With a jumper from TRIG to START the box sees its own pulses, in two ways. With a debounce longer
+ * than a pulse each one comes back as a glitch, whose length is measured: both pins, and the wire
+ * between, are good. And where START takes the edge that ends a pulse, the preamble's first pulse
+ * starts a run: START stays active behind it for as long as any debounce. */
 #include <algorithm>
 #include <cstdlib>
 
@@ -12,42 +13,67 @@ namespace {
 
 using std::chrono::milliseconds;
 
-constexpr uint32_t WIDTH_US = 1000, DEBOUNCE_US = 2000;
+constexpr uint32_t WIDTH_US = 1000, GLITCH_DEBOUNCE_US = 2000, RUN_DEBOUNCE_US = 10;
 constexpr uint16_t GAP_MS = 20;
 constexpr size_t GAPS = 4;
 constexpr milliseconds PATIENCE(3000);
 constexpr uint32_t LENGTH_TOLERANCE_CYCLES = 10;
 
-/** Settings for the test: what is set but for a short preamble and a long debounce. */
+/** What is set but for the width and a short preamble. */
 opms_settings_t loopback_settings(const opms_settings_t &usual)
 {
     opms_settings_t settings = usual;
     settings.width_us = WIDTH_US;
-    settings.debounce_cycles = DEBOUNCE_US * OPMS_BOX_CYCLES_PER_US;
-    settings.start_falling_edge = usual.trig_active_low;
     std::fill(std::begin(settings.preamble_gap_ms), std::end(settings.preamble_gap_ms),
               uint16_t{0});
     std::fill_n(settings.preamble_gap_ms, GAPS, GAP_MS);
     return settings;
 }
 
+/** START takes the edge that begins a pulse of TRIG, and finds it too short. */
+opms_settings_t glitch_settings(const opms_settings_t &usual)
+{
+    opms_settings_t settings = loopback_settings(usual);
+    settings.debounce_cycles = GLITCH_DEBOUNCE_US * OPMS_BOX_CYCLES_PER_US;
+    settings.start_falling_edge = usual.trig_active_low;
+    return settings;
+}
+
+/** START takes the edge that ends a pulse of TRIG. It is active before the first one, too, so that
+ * the box cuts that one short after some cycles; the debounce keeps the run's first one apart. */
+opms_settings_t run_settings(const opms_settings_t &usual)
+{
+    opms_settings_t settings = loopback_settings(usual);
+    settings.debounce_cycles = RUN_DEBOUNCE_US * OPMS_BOX_CYCLES_PER_US;
+    settings.start_falling_edge = !usual.trig_active_low;
+    return settings;
+}
+
 } // namespace
+
+bool Selftest::put_settings(const std::string &name, const opms_settings_t &settings)
+{
+    opms_error_t error = {};
+    settings_ = settings;
+    return called(name, opms_box_set_settings(device_.get(), &settings, 0, nullptr, &error), error);
+}
 
 void Selftest::check_loopback()
 {
     if (!options_.loopback) {
         return;
     }
-    const opms_settings_t settings = loopback_settings(settings_);
+    const opms_settings_t usual = settings_;
     opms_error_t error = {};
-    if (!called("loopback", opms_box_set_settings(device_.get(), &settings, 0, nullptr, &error),
-                error)) {
-        return;
+    if (put_settings("loopback", glitch_settings(usual))) {
+        check_loopback_pulses();
+        called("loopback", opms_box_disarm(device_.get(), 0, &error), error);
     }
-    check_loopback_pulses();
-    called("loopback", opms_box_disarm(device_.get(), 0, &error), error);
-    if (!called("loopback", opms_box_set_settings(device_.get(), &settings_, 0, nullptr, &error),
-                error)) {
+    if (put_settings("loopback-run", run_settings(usual))) {
+        check_loopback_run();
+        called("loopback-run", opms_box_disarm(device_.get(), 0, &error), error);
+    }
+    if (!put_settings("loopback", usual)) {
         box_talk("the settings are not those of before; see 'opms box settings'");
     }
 }
@@ -82,5 +108,21 @@ void Selftest::check_loopback_pulses()
     } else {
         pass("loopback", box_text("START saw all %zu pulses of TRIG, %u us long", GAPS + 1,
                                   WIDTH_US));
+    }
+}
+
+void Selftest::check_loopback_run()
+{
+    record_.begin_session();
+    opms_error_t error = {};
+    if (!called("loopback-run", opms_box_arm(device_.get(), box_new_session(), 0, &error),
+                error)) {
+        return;
+    }
+    if (record_.pump(PATIENCE, [this] { return record_.event(OPMS_EVENT_START) != nullptr; })) {
+        check_run("loopback-run");
+    } else {
+        fail("loopback-run", "no pulse of TRIG started a run: check the jumper between the two "
+                             "pins, and that nothing else drives START");
     }
 }

@@ -270,6 +270,15 @@ class Selftest(BoxTest):
         self.assertEqual(result.returncode, OK, result.stdout)
         self.assertIn("all 5 pulses of TRIG", checks["loopback"]["text"])
 
+    def test_with_a_jumper_the_end_of_trigs_first_pulse_starts_a_run(self):
+        self.box.jumper_cycles = 125001
+        before = self.box.settings
+        result, checks = self.checks("--loopback")
+        self.assertEqual(result.returncode, OK, result.stdout)
+        self.assertEqual(checks["loopback-run"]["result"], "ok")
+        self.assertIn("us from START to the first, 0 ns off", checks["loopback-run"]["text"])
+        self.assertEqual(self.box.settings, before, "settings of before")
+
     def test_a_pulse_that_comes_back_in_another_length_is_named(self):
         self.box.jumper_cycles = 100000
         _, checks = self.checks("--loopback")

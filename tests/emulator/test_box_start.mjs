@@ -267,6 +267,30 @@ test('without a START the box waits, or gives up after the time that was set', (
     bench.assertClean();
 });
 
+/** A jumper joins TRIG and START, as for `opms box selftest --loopback`. */
+test('where START takes the edge that ends a pulse of TRIG, a jumper starts a run', () => {
+    for (const trigActiveLow of [false, true]) {
+        const bench = new Bench(), { board } = bench;
+        board.listeners.push((pin, level) => pin === pins.TRIG && board.drive(pins.START, level));
+        for (const debounceCycles of [125, 1250, 1250000]) {
+            bench.applySettings({ debounceCycles, preambleMs: [20, 20, 20, 20], trigActiveLow,
+                startFallingEdge: !trigActiveLow });
+            board.drive(pins.START, board.level(pins.TRIG));
+            const from = bench.reports.length;
+            bench.arm();
+            assert.equal(bench.awaitEvent(EVENT.START, 1000, from).argument, 2);
+            bench.until(() => bench.triggers(from).length > 5, 1000, 'six pulses');
+            bench.disarm();
+            const [preamble, ...run] = bench.triggers(from).slice(0, 6);
+            assert.ok(!(preamble.flags & FLAG.RUN) && run.every(({ flags }) => flags & FLAG.RUN));
+            assert.equal(run[0].time - run[0].startEdge, debounceCycles + START_CYCLES);
+            run.slice(1).forEach(({ time }, index) => assert.equal(time - run[index].time,
+                100 * MS));
+        }
+        bench.assertClean();
+    }
+});
+
 test('SYNC sends 1 Hz from the start on, or a level for as long as the run lasts', () => {
     const bench = new Bench(), changes = () => bench.lines.filter(({ pin }) => pin === pins.SYNC);
     for (const sync of [1, 2]) {

@@ -311,6 +311,9 @@ class FakeBox:
         gaps = [self._gap_us(due_ns, number - 1), self._gap_us(None, number - 1)]
         self.trigger(number, number not in self.lose, flags, due_ns, gaps)
         if self.jumper_cycles and flags == wire.PREAMBLE_FLAG:
+            if self._start_takes_the_end_of_a_pulse():
+                self._run(due_ns + 1000 * struct.unpack_from("<I", self.settings, 4)[0])
+                return
             self.event(wire.EVENT_GLITCH, self.jumper_cycles)
         if flags == wire.RUN_FLAG:
             self.due_ns = due_ns + 1000 * struct.unpack_from("<I", self.settings)[0]
@@ -328,12 +331,20 @@ class FakeBox:
         gap = time_ns // 1000 - self.pulses[before][0] // 1000 if before in self.pulses else 0
         return gap if gap < 1 << 24 else 0
 
+    def _start_takes_the_end_of_a_pulse(self):
+        """With the jumper: is START's edge the one opposite to that which begins TRIG's pulses?"""
+        trig_active_low, start_falling_edge = self.settings[12] & 1, self.settings[12] >> 1 & 1
+        return trig_active_low != start_falling_edge
+
     def _start(self):
         with self.lock:
             if self.state == wire.WAITING:
-                self.start_ns = self.now_ns()
-                self.first_run = self.number + 1
-                debounce, = struct.unpack_from("<I", self.settings, 8)
-                self.due_ns = self.start_ns + 8 * (debounce + 4)
-                self.state = wire.RUNNING
-                self.event(wire.EVENT_START, self.first_run, time_ns=self.start_ns)
+                self._run(self.now_ns())
+
+    def _run(self, start_ns):
+        self.start_ns = start_ns
+        self.first_run = self.number + 1
+        debounce, = struct.unpack_from("<I", self.settings, 8)
+        self.due_ns = self.start_ns + 8 * (debounce + 4)
+        self.state = wire.RUNNING
+        self.event(wire.EVENT_START, self.first_run, time_ns=self.start_ns)
