@@ -7,7 +7,7 @@ from pathlib import Path
 
 from hw_kit import DATA, PROJECT, SCHEMATIC, copy_schematic
 
-from kicad_text import FormatError, parse
+from kicad_text import FormatError, child, children, parse, value
 from read_schematic import read
 
 
@@ -68,6 +68,36 @@ class Drawing(unittest.TestCase):
 
     def test_a_power_symbol_names_its_net(self):
         self.assertEqual(self.netlist.net_of("R1", "1").name, "GND")
+
+
+class ForKicad6(unittest.TestCase):
+    """What KiCad 6 wants; it was opened with 6.0.11, which no test can do without a screen."""
+
+    def sheets(self):
+        for path in sorted(PROJECT.glob("*.kicad_sch")):
+            yield path.name, parse(path.read_text(encoding="utf-8"))
+
+    def test_the_files_are_of_its_version(self):
+        for name, sheet in self.sheets():
+            self.assertLessEqual(int(value(sheet, "version")), 20211123, name)
+
+    def test_drawn_lines_have_two_points(self):
+        for name, sheet in self.sheets():
+            for line in children(sheet, "polyline"):
+                self.assertEqual(len(child(line, "pts")) - 1, 2, name)
+
+    def test_every_uuid_is_there_once(self):
+        for name, sheet in self.sheets():
+            uuids = [value(item, "uuid") for item in sheet if isinstance(item, list)
+                     and child(item, "uuid")]
+            self.assertEqual(len(uuids), len(set(uuids)), name)
+            self.assertGreater(len(uuids), 5)
+
+    def test_every_symbol_is_embedded(self):
+        for name, sheet in self.sheets():
+            library = {symbol[1] for symbol in children(child(sheet, "lib_symbols"), "symbol")}
+            used = {value(symbol, "lib_id") for symbol in children(sheet, "symbol")}
+            self.assertEqual(used, library, name)
 
 
 class BadFiles(unittest.TestCase):

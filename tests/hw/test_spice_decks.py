@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The ngspice decks keep their limits, the document shows their figures, and worse parts are seen."""
+"""The ngspice decks keep their limits, the document shows them, and worse parts are seen."""
 import re
 import unittest
 
