@@ -25,7 +25,18 @@ kept.append(opms.BarDetector(lens).detect(picture, roi=(0, 0, 10, 10)))
 location = opms.Locator(camera).locate(picture, hint=hint)
 kept += [location, location.squares, location.bar.blur_px, camera.detector_camera.R]
 kept.append(opms.pose_solve(lens, location.edges))
-for call in (lambda: lens.project(-np.ones((1, 3))), lambda: opms.Locator(camera).locate(None)):
+from opms import calib, expect, grid
+kept.append(grid.Detector(64, 48).detect(picture).nodes)
+calibrator = calib.Calibrator(64, 48)
+i = np.mgrid[0:5, 0:5].reshape(2, -1).T.astype(float)
+calibrator.add(i, 10 + 5 * i, np.ones(25))
+kept += [calibrator.residuals(0), calibrator.picture(0), calib.Footprint(x_m=1.0)]
+kept.append(expect.pose(camera, hint))
+for call in (
+    calibrator.solve,
+    lambda: lens.project(-np.ones((1, 3))),
+    lambda: opms.Locator(camera).locate(None),
+):
     try:
         call()
     except (opms.Error, TypeError):
@@ -99,6 +110,16 @@ def test_nothing_leaks():
     )
     assert done.returncode == 0, done.stderr
     assert "leaked" not in done.stderr, done.stderr
+
+
+def test_the_code_of_the_readme_runs_as_it_stands(monkeypatch, capsys):
+    text = (ROOT / "bindings" / "python" / "README.md").read_text(encoding="utf-8")
+    monkeypatch.chdir(ROOT)
+    exec("\n".join(re.findall(r"```python\n(.*?)```", text, re.DOTALL)), {})
+    printed = capsys.readouterr().out
+    focal_px = float(re.search(r"focal lengths, px: (\S+)", printed)[1])
+    assert abs(focal_px - 585.0) < 0.5
+    assert "camera in the bar's frame, m:" in printed
 
 
 def test_memory_does_not_grow_with_use(camera, grey):

@@ -60,6 +60,18 @@ SQUARE_DTYPE: numpy.dtypes.VoidDType = ...
 
 EDGE_DTYPE: numpy.dtypes.VoidDType = ...
 
+NODE_DTYPE: numpy.dtypes.VoidDType = ...
+
+GRID_PITCH_M: float = 0.025
+
+GRID_LINE_M: float = 0.002
+
+GRID_CENTRE: int = 50
+
+GRID_NODES_X: int = 33
+
+GRID_NODES_Y: int = 45
+
 class Lens:
     """
     Pinhole with the four-parameter Seidel model.
@@ -487,6 +499,526 @@ class Locator:
 
         edges: (N,) of opms.EDGE_DTYPE. Raises Error (ERR_ARG, index of the edge). Releases the GIL.
         """
+
+class GridState(enum.IntEnum):
+    """What a picture shows."""
+
+    ABSENT = 0
+    """No grid is seen."""
+
+    LABELLED = 1
+    """Nodes found, labels certain."""
+
+    UNLABELLED = 2
+    """
+    Nodes found, but not the marker: labels begin anywhere, turned by any quarter.
+    """
+
+class GridSummary:
+    """The picture of the grid as a whole."""
+
+    @property
+    def state(self) -> GridState:
+        """A GridState."""
+
+    @property
+    def node_count(self) -> int:
+        """Nodes found."""
+
+    @property
+    def noise(self) -> float:
+        """Standard deviation of the grey levels about the line model."""
+
+    @property
+    def contrast(self) -> float:
+        """Median grey levels from white to the depth of a line."""
+
+    @property
+    def blur_px(self) -> float:
+        """Standard deviation of the blur."""
+
+    @property
+    def marker_margin(self) -> float:
+        """Contrast of the marker over the next best place, 0 to 1; 0 if none."""
+
+class GridDetection:
+    """What opms.grid.Detector.detect() found."""
+
+    @property
+    def summary(self) -> GridSummary:
+        """State and figures."""
+
+    @property
+    def nodes(self) -> numpy.typing.NDArray[numpy.void]:
+        """
+        Nodes by label, (N,) of opms.grid.NODE_DTYPE.
+
+        label: (N, 2), (50 + i, 50 + j) for the node at (i, j) pitches of the grid frame; px: (N, 2),
+        (u, v); sigma_px: standard deviation of each coordinate.
+        """
+
+class GridDetector:
+    """
+    Finds grids of kind a0-25; holds all memory.
+
+    Calls from several threads on one detector are taken one after the other; different detectors run
+    in parallel.
+    """
+
+    def __init__(self, width_px: int, height_px: int, *, min_pitch_px: float = 9.0) -> None:
+        """
+        For pictures of one size, 16 to 16384 px each way.
+
+        min_pitch_px: shortest distance between lines that is sought, 8 to 100.
+        Raises Error (ERR_ARG, ERR_MEMORY).
+        """
+
+    def detect(self, image: numpy.typing.NDArray[numpy.uint8] | numpy.typing.NDArray[numpy.uint16], *, white_level: int = 0) -> GridDetection:
+        """
+        Find the grid in a picture. No lens is needed.
+
+        image: (height_px, width_px), uint8 or uint16, rows at any distance, read in place without a copy;
+        do not change it meanwhile. white_level: grey level at saturation, 0 for 255 or 65535.
+        Raises Error (ERR_ARG); "no grid" is no error but a state. Releases the GIL.
+        """
+
+def grid_relabel(known: numpy.typing.NDArray[numpy.void], nodes: numpy.typing.NDArray[numpy.void]) -> numpy.typing.NDArray[numpy.void] | None:
+    """
+    Label the nodes of a picture whose marker is hidden from a neighbouring picture.
+
+    known: (M,) labelled nodes of a picture taken shortly before or after; nodes: (N,); both of
+    opms.grid.NODE_DTYPE. Returns new nodes with their labels, or None where these are not certain: the
+    camera must have moved by much less than half a pitch between both.
+    Raises Error (ERR_ARG). Pure, any thread; releases the GIL.
+    """
+
+class CalibWarning(enum.Flag):
+    """What the pictures do not fix well enough."""
+
+    ALL_PARALLEL = 1
+    """The target's normal has nearly one direction in all pictures."""
+
+    FEW_PICTURES = 2
+    """Fewer than 5."""
+
+    POOR_COVERAGE = 4
+    """Much of the picture's border never held a point."""
+
+    FOCAL_OPEN = 8
+    """Focal length no better than 1 %."""
+
+    CENTRE_OPEN = 16
+    """Principal point no better than 2 % of the width."""
+
+    LARGE_RESIDUAL = 32
+    """Residuals far beyond the stated sigmas."""
+
+    MANY_OUTLIERS = 64
+    """More than 5 % of the points do not agree."""
+
+class CalibUse(enum.IntEnum):
+    """What became of one picture."""
+
+    USED = 0
+
+    NOT_SOLVED = 1
+    """No solution since it was added."""
+
+    NO_PLANE = 2
+    """Its points are no view of a plane."""
+
+    NO_FIT = 3
+    """A plane, but not seen by this camera."""
+
+    SWITCHED_OFF = 4
+    """By Calibrator.use()."""
+
+class Footprint:
+    """Where the detector's head stood on the target in one picture."""
+
+    def __init__(self, **kwargs) -> None:
+        """Fields by keyword; those that are not given are 0."""
+
+    @property
+    def picture(self) -> int:
+        """Index of the picture."""
+
+    @picture.setter
+    def picture(self, arg: int, /) -> None: ...
+
+    @property
+    def x_m(self) -> float:
+        """Head centre in the target's frame, X."""
+
+    @x_m.setter
+    def x_m(self, arg: float, /) -> None: ...
+
+    @property
+    def y_m(self) -> float:
+        """Head centre in the target's frame, Y."""
+
+    @y_m.setter
+    def y_m(self, arg: float, /) -> None: ...
+
+    @property
+    def yaw_rad(self) -> float:
+        """Turn of the head about Z."""
+
+    @yaw_rad.setter
+    def yaw_rad(self, arg: float, /) -> None: ...
+
+    @property
+    def sigma_m(self) -> float:
+        """Standard deviation of the placing along X and along Y, >= 0."""
+
+    @sigma_m.setter
+    def sigma_m(self, arg: float, /) -> None: ...
+
+    @property
+    def sigma_rad(self) -> float:
+        """Standard deviation of the yaw, >= 0."""
+
+    @sigma_rad.setter
+    def sigma_rad(self, arg: float, /) -> None: ...
+
+    def __eq__(self, arg: Footprint, /) -> bool:
+        """Are all fields equal?"""
+
+    def __repr__(self) -> str: ...
+
+class CalibResult:
+    """A calibration."""
+
+    @property
+    def lens(self) -> Lens:
+        """The lens."""
+
+    @property
+    def covariance(self) -> Annotated[NDArray[numpy.float64], dict(shape=(8, 8), writable=False)]:
+        """Covariance of fx fy cx cy k1 k2 p1 p2 in px and 1, (8, 8), read only."""
+
+    @property
+    def pictures_used(self) -> int:
+        """Pictures that fit."""
+
+    @property
+    def points_used(self) -> int:
+        """Points with a weight of one quarter or more."""
+
+    @property
+    def outliers(self) -> int:
+        """The other points of the pictures used."""
+
+    @property
+    def warnings(self) -> CalibWarning:
+        """What the pictures do not fix well enough, an opms.calib.Warning."""
+
+    @property
+    def iterations(self) -> int:
+        """Steps of the solution."""
+
+    @property
+    def residual_rms_px(self) -> float:
+        """RMS length of the residuals (u, v) of the points used."""
+
+    @property
+    def chi2_dof(self) -> float:
+        """Mean square of the residuals over the stated sigmas."""
+
+    @property
+    def coverage(self) -> float:
+        """Part of 8 x 8 cells of the picture that held points."""
+
+    @property
+    def cockle_m(self) -> Annotated[NDArray[numpy.float64], dict(shape=(12), writable=False)]:
+        """
+        Heights of the target, (12,), read only, in metres.
+
+        Of the terms (X/s)^i (Y/s)^j with 2 <= i + j <= 4, where s is cockle_scale_m; 0 where none was
+        estimated.
+        """
+
+    @property
+    def cockle_scale_m(self) -> float:
+        """Half the target's size, 0 where no cockle was estimated."""
+
+    @property
+    def cockle_peak_m(self) -> float:
+        """Largest less smallest height over the target's points."""
+
+class CalibPicture:
+    """One picture of a calibration."""
+
+    @property
+    def use(self) -> CalibUse:
+        """A CalibUse; unless it is USED what follows is 0."""
+
+    @property
+    def points(self) -> int:
+        """Points it was given."""
+
+    @property
+    def outliers(self) -> int:
+        """Those with a weight below one quarter."""
+
+    @property
+    def target_camera(self) -> Pose | None:
+        """
+        Camera to target, covariance with the lens's uncertainty; None unless USED.
+        """
+
+    @property
+    def covariance_with_lens(self) -> Annotated[NDArray[numpy.float64], dict(shape=(6, 8), writable=False)]:
+        """
+        Covariance of the pose's (w, d) and the lens's eight parameters, (6, 8), read only.
+        """
+
+    @property
+    def residual_rms_px(self) -> float:
+        """RMS length of the residuals of its points used."""
+
+    @property
+    def tilt_rad(self) -> float:
+        """Between the optical axis and the target's normal."""
+
+    @property
+    def gain(self) -> float:
+        """
+        Part of the lens's information that would be lost without this picture.
+
+        Summed over its eight parameters; 1 is all of one parameter's.
+        """
+
+class CalibForesight:
+    """What a further picture would do."""
+
+    @property
+    def points(self) -> int:
+        """Points of the target in the picture."""
+
+    @property
+    def gain(self) -> float:
+        """
+        Part of the lens's variances that would be gone, over its parameters: 0 to 8.
+        """
+
+    @property
+    def camera(self) -> Camera:
+        """The camera with that picture: unmoved, its covariances smaller."""
+
+class CalibLensCheck:
+    """What new pictures say of a lens that was calibrated before."""
+
+    @property
+    def pictures_used(self) -> int:
+        """Pictures that fit."""
+
+    @property
+    def points_used(self) -> int:
+        """Points with a weight of one quarter or more."""
+
+    @property
+    def outliers(self) -> int:
+        """The other points of the pictures used."""
+
+    @property
+    def residual_rms_px(self) -> float:
+        """RMS length of the residuals, the lens as stated."""
+
+    @property
+    def residual_free_rms_px(self) -> float:
+        """The same with the lens free: what the points are good for."""
+
+    @property
+    def noise_factor(self) -> float:
+        """Standard deviation of the points over the stated one, never below 1."""
+
+    @property
+    def chi2(self) -> float:
+        """Of 8: above opms.calib.CHI2_LENS the stated lens is wrong."""
+
+    @property
+    def change(self) -> Annotated[NDArray[numpy.float64], dict(shape=(8), writable=False)]:
+        """
+        Of fx fy cx cy k1 k2 p1 p2, (8,), read only: what would explain the points.
+        """
+
+    @property
+    def shows_focal(self) -> float:
+        """Smallest relative change of fx and fy that would show 19 times of 20."""
+
+    @property
+    def shows_centre_px(self) -> Annotated[NDArray[numpy.float64], dict(shape=(2), writable=False)]:
+        """The same of cx and cy, (2,), read only."""
+
+class CalibMountingCheck:
+    """
+    What a picture on a footprint says of a mounting that was found before.
+    """
+
+    @property
+    def detector_camera(self) -> Transform:
+        """Camera to detector as this picture has it, through the stated lens."""
+
+    @property
+    def change(self) -> Annotated[NDArray[numpy.float64], dict(shape=(6), writable=False)]:
+        """
+        (w, d) from the stated mounting to this one, (6,), read only, in rad and m.
+        """
+
+    @property
+    def covariance(self) -> Annotated[NDArray[numpy.float64], dict(shape=(6, 6), writable=False)]:
+        """
+        Of the change where nothing moved, (6, 6), read only; the placing included.
+        """
+
+    @property
+    def chi2(self) -> float:
+        """Of 6: above opms.calib.CHI2_MOUNTING the camera has moved."""
+
+    @property
+    def shows_turn_rad(self) -> Annotated[NDArray[numpy.float64], dict(shape=(3), writable=False)]:
+        """
+        Smallest turns about the detector's axes that would show 19 times of 20, (3,).
+        """
+
+    @property
+    def shows_shift_m(self) -> Annotated[NDArray[numpy.float64], dict(shape=(3), writable=False)]:
+        """Smallest shifts along the detector's axes that would, (3,)."""
+
+CALIB_CHI2_LENS: float = 26.12
+
+CALIB_CHI2_MOUNTING: float = 22.46
+
+class Calibrator:
+    """
+    Solves one camera; holds all memory.
+
+    Calls from several threads on one calibrator are taken one after the other; different calibrators
+    run in parallel.
+    """
+
+    def __init__(self, width_px: int, height_px: int, *, pictures_max: int = 64, points_max: int = 1485, cockle_sigma_m: float = 0.0) -> None:
+        """
+        For pictures of one size, 16 to 16384 px each way.
+
+        pictures_max: 3 to 1024; points_max: in one picture, 4 to 8192; cockle_sigma_m: how far the target
+        may be off a plane (standard deviation at half its size), which is then estimated; 0: it is a
+        plane. Raises Error (ERR_ARG, ERR_MEMORY).
+        """
+
+    def add(self, target_m: Annotated[NDArray[numpy.float64], dict(shape=(None, 2), order='C', device='cpu', writable=False)], px: Annotated[NDArray[numpy.float64], dict(shape=(None, 2), order='C', device='cpu', writable=False)], sigma_px: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)]) -> int:
+        """
+        Add a picture; returns its index: 0, 1, ... in the order of the calls.
+
+        target_m: (N, 2), the points' (X, Y) in the target's plane in metres; px: (N, 2), where they are
+        seen, (u, v); sigma_px: (N,), standard deviation of each coordinate, > 0. N is at least 4.
+        Raises Error: ERR_ARG (index of the point), ERR_CAPACITY, or ERR_DOMAIN where the points are no
+        view of a plane; nothing was added then. Releases the GIL.
+        """
+
+    def use(self, picture: int, used: bool) -> None:
+        """
+        Switch a picture off or on again; it takes effect with the next solution.
+
+        Raises Error (ERR_ARG).
+        """
+
+    def picture(self, picture: int) -> CalibPicture:
+        """
+        What became of one picture in the last solution. Raises Error (ERR_ARG).
+        """
+
+    def residuals(self, picture: int) -> tuple[Annotated[NDArray[numpy.float64], dict(shape=(None, 2))], Annotated[NDArray[numpy.float64], dict(shape=(None,))]]:
+        """
+        Residuals and weights of one picture's points in the last solution.
+
+        Returns (N, 2) in px, measured less model, NaN where the picture is not used; and (N,) robust
+        weights, 0 to 1, below one quarter for an outlier. Raises Error (ERR_ARG).
+        """
+
+    def solve(self) -> CalibResult:
+        """
+        Solve for the camera from all pictures that are switched on.
+
+        The next solution starts from the last one. Raises Error: ERR_DOMAIN where fewer than 3 pictures
+        can be used or nothing fits them, ERR_CONVERGE. Releases the GIL.
+        """
+
+    def choose(self, count: int) -> list[int]:
+        """
+        Indices of the pictures that together fix the lens best, best first.
+
+        Fewer than count where fewer are used. Raises Error (ERR_DOMAIN before a solution).
+        """
+
+    def camera(self, footprints: Sequence[Footprint]) -> Camera:
+        """
+        The camera on its detector, from pictures on footprints, with its covariances.
+
+        footprints: at least one, of pictures that the last solution used. Without any,
+        opms.Camera(result.lens, covariance_intrinsics=result.covariance) is the camera by itself.
+        Raises Error: ERR_ARG (index of the footprint), ERR_DOMAIN before a solution.
+        """
+
+    def foresee(self, target_camera: Transform, target_m: Annotated[NDArray[numpy.float64], dict(shape=(None, 2), order='C', device='cpu', writable=False)], *, sigma_px: float = 0.0, footprints: Sequence[Footprint] = []) -> CalibForesight:
+        """
+        Foresee what one more picture would do, before it is taken.
+
+        target_camera: camera to target, from where it would be taken; target_m: (N, 2), the target's
+        points, of which those in the picture count; sigma_px: of a point's coordinate, 0 for that of the
+        pictures so far; footprints: as for camera(), where the place on the detector matters.
+        Raises Error: ERR_ARG, ERR_DOMAIN before a solution. Releases the GIL.
+        """
+
+    def check(self, camera: Camera, footprints: Sequence[Footprint] = []) -> tuple[CalibLensCheck, list[CalibMountingCheck]]:
+        """
+        Does a camera that was calibrated before still hold?
+
+        camera: as it was calibrated; with footprints it needs detector_camera. Returns what the pictures
+        say of its lens, and for each footprint what that picture says of its mounting. A solution of this
+        calibrator is lost. Raises Error: ERR_ARG (index of the footprint), ERR_DOMAIN where no picture is
+        seen by such a lens at all. Releases the GIL.
+        """
+
+class Expectation:
+    """
+    What is to be expected of the detector's pose at one place.
+
+    The covariances are those of the detector's (w, d) as in Pose.covariance; they are independent, and
+    their sum is that of the pose.
+    """
+
+    @property
+    def state(self) -> PoseState:
+        """
+        A PoseState; unless it is FOUND too little of the bar is in the picture.
+        """
+
+    @property
+    def square_count(self) -> int:
+        """Squares of the bar that are whole in the picture."""
+
+    @property
+    def covariance_image(self) -> Annotated[NDArray[numpy.float64], dict(shape=(6, 6), writable=False)]:
+        """From the image noise alone, (6, 6), read only, in rad and m."""
+
+    @property
+    def covariance_calibration(self) -> Annotated[NDArray[numpy.float64], dict(shape=(6, 6), writable=False)]:
+        """
+        From the calibration alone, (6, 6), read only; 0 where the camera holds none.
+        """
+
+def expect_pose(camera: Camera, ground_detector: Transform, *, bar_tilt_rad: float = 0.0, contrast: float = 150.0, noise: float = 3.0, blur_px: float = 0.75, min_square_px: float = 7.0) -> Expectation:
+    """
+    Expected uncertainty of the detector's pose over a bar that lies in full view.
+
+    camera: with detector_camera; ground_detector: detector to ground, where the head is.
+    bar_tilt_rad: positive where the printed face is turned away from the operator. contrast: grey
+    levels from black to white; noise: standard deviation of the grey levels; blur_px: standard
+    deviation of the blur; min_square_px: squares with a shorter side do not count.
+    Raises Error (ERR_ARG, ERR_DOMAIN where the lens folds). Pure, any thread; releases the GIL.
+    """
 
 class ReportId(enum.IntEnum):
     """Ids of reports."""

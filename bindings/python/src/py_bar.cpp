@@ -1,10 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /** @file
  * opms.BarDetector: from a picture to labelled squares and measured edges. */
-#include "py_convert.h"
+#include "py_handle.h"
 
-#include <memory>
-#include <mutex>
 #include <vector>
 
 #include <nanobind/stl/array.h>
@@ -14,29 +12,21 @@ namespace {
 
 using namespace nb::literals;
 
-struct DetectorDelete {
-    void operator()(opms_bar_detector_t *detector) const { opms_bar_detector_destroy(detector); }
-};
-
 struct BarDetection {
     opms_bar_summary_t summary;
     nb::object squares, edges;
 };
 
-/** The C handle serves one thread at a time; the lock queues the others. */
 class BarDetector {
 public:
     BarDetector(const opms_lens_t &lens, int32_t min_square_px)
+        : detector_([&](opms_bar_detector_t **detector, opms_error_t *err) {
+              opms_bar_options_t options;
+              opms_bar_options_init(&options);
+              options.min_square_px = min_square_px;
+              return opms_bar_detector_create(&lens, &options, detector, err);
+          })
     {
-        opms_bar_options_t options;
-        opms_bar_options_init(&options);
-        options.min_square_px = min_square_px;
-        opms_bar_detector_t *detector = nullptr;
-        opms_error_t err = {};
-        if (opms_bar_detector_create(&lens, &options, &detector, &err) != OPMS_OK) {
-            py_raise(err);
-        }
-        detector_.reset(detector);
     }
 
     BarDetection detect(const PyImage &image, const PyRoi &roi, const opms_transform_t *hint,
@@ -45,33 +35,24 @@ public:
         const opms_image_t view = py_image(image, white_level);
         const opms_roi_t region = py_roi(roi);
         BarDetection found = {};
-        opms_error_t err = {};
-        opms_status_t status;
         std::vector<opms_square_t> squares;
         std::vector<opms_edge_t> edges;
-        {
-            nb::gil_scoped_release release;
-            std::lock_guard<std::mutex> one_at_a_time(busy_);
-            status = opms_bar_detect(detector_.get(), &view, &region, hint, &found.summary, &err);
-            if (status == OPMS_OK) {
-                uint32_t count = 0;
-                const opms_square_t *s = opms_bar_squares(detector_.get(), &count);
-                squares.assign(s, s + count);
-                const opms_edge_t *e = opms_bar_edges(detector_.get(), &count);
-                edges.assign(e, e + count);
-            }
-        }
-        if (status != OPMS_OK) {
-            py_raise(err);
-        }
+        detector_.run([&](opms_bar_detector_t *detector, opms_error_t *err) {
+            OPMS_PY_TRY(opms_bar_detect(detector, &view, &region, hint, &found.summary, err));
+            uint32_t count = 0;
+            const opms_square_t *s = opms_bar_squares(detector, &count);
+            squares.assign(s, s + count);
+            const opms_edge_t *e = opms_bar_edges(detector, &count);
+            edges.assign(e, e + count);
+            return OPMS_OK;
+        });
         found.squares = py_squares(squares.data(), squares.size());
         found.edges = py_edges(edges.data(), edges.size());
         return found;
     }
 
 private:
-    std::unique_ptr<opms_bar_detector_t, DetectorDelete> detector_;
-    std::mutex busy_;
+    PyHandle<opms_bar_detector_t, opms_bar_detector_destroy> detector_;
 };
 
 void bind_summary(nb::module_ &module)

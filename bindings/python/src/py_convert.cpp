@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstring>
 #include <limits>
+#include <string>
 
 namespace {
 
@@ -119,6 +120,15 @@ nb::object py_edge_dtype()
     return dtype.build(sizeof(opms_edge_t));
 }
 
+nb::object py_node_dtype()
+{
+    DtypeBuilder dtype;
+    dtype.add("label", "(2,)i4", offsetof(opms_node_t, label));
+    dtype.add("px", "(2,)f8", offsetof(opms_node_t, px));
+    dtype.add("sigma_px", "f8", offsetof(opms_node_t, sigma_px));
+    return dtype.build(sizeof(opms_node_t));
+}
+
 nb::object py_squares(const opms_square_t *squares, size_t count)
 {
     return new_array(squares, sizeof *squares, count, module_dtype("SQUARE_DTYPE"));
@@ -129,17 +139,24 @@ nb::object py_edges(const opms_edge_t *edges, size_t count)
     return new_array(edges, sizeof *edges, count, module_dtype("EDGE_DTYPE"));
 }
 
+nb::object py_nodes(const opms_node_t *nodes, size_t count)
+{
+    return new_array(nodes, sizeof *nodes, count, module_dtype("NODE_DTYPE"));
+}
+
 nb::object py_doubles(const double *values, size_t count)
 {
     return new_array(values, sizeof *values, count, numpy("dtype")("f8"));
 }
 
-PyEdges::PyEdges(nb::handle array)
+PyRecords::PyRecords(nb::handle array, const char *dtype, const char *argument)
 {
-    const nb::object expected = module_dtype("EDGE_DTYPE");
+    const nb::object expected = module_dtype(dtype);
     if (!nb::hasattr(array, "dtype") || !array.attr("dtype").equal(expected) ||
         nb::cast<int>(array.attr("ndim")) != 1) {
-        throw nb::type_error("edges: must be a one-dimensional array of opms.EDGE_DTYPE");
+        throw nb::type_error((std::string(argument) +
+                              ": must be a one-dimensional array of " + dtype)
+                                 .c_str());
     }
     const nb::object packed = numpy("ascontiguousarray")(array);
     if (PyObject_GetBuffer(packed.ptr(), &view_, PyBUF_C_CONTIGUOUS) != 0) {
@@ -147,14 +164,14 @@ PyEdges::PyEdges(nb::handle array)
     }
 }
 
-PyEdges::~PyEdges()
+PyRecords::~PyRecords()
 {
     PyBuffer_Release(&view_);
 }
 
-uint32_t PyEdges::count() const
+uint32_t PyRecords::count_of(size_t item_bytes) const
 {
-    const size_t count = static_cast<size_t>(view_.len) / sizeof(opms_edge_t);
+    const size_t count = static_cast<size_t>(view_.len) / item_bytes;
     const size_t limit = std::numeric_limits<uint32_t>::max();
     return static_cast<uint32_t>(count < limit ? count : limit);
 }

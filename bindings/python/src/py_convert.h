@@ -37,29 +37,46 @@ inline opms_roi_t py_roi(const PyRoi &roi)
     return roi ? opms_roi_t{(*roi)[0], (*roi)[1], (*roi)[2], (*roi)[3]} : opms_roi_t{0, 0, 0, 0};
 }
 
-/** numpy dtypes of opms_square_t and opms_edge_t. */
+/** numpy dtypes of opms_square_t, opms_edge_t and opms_node_t. */
 nb::object py_square_dtype();
 nb::object py_edge_dtype();
+nb::object py_node_dtype();
 
 /** New structured arrays of the package's dtypes. */
 nb::object py_squares(const opms_square_t *squares, size_t count);
 nb::object py_edges(const opms_edge_t *edges, size_t count);
+nb::object py_nodes(const opms_node_t *nodes, size_t count);
 nb::object py_doubles(const double *values, size_t count);
 
-/** Edges of a structured array; TypeError where the dtype is another. Keeps the array alive and its
+/** Items of a structured array; TypeError where the dtype is another. Keeps the array alive and its
  * memory in place. */
-class PyEdges {
+class PyRecords {
 public:
-    explicit PyEdges(nb::handle array);
-    ~PyEdges();
-    PyEdges(const PyEdges &) = delete;
-    PyEdges &operator=(const PyEdges &) = delete;
-    const opms_edge_t *data() const { return static_cast<const opms_edge_t *>(view_.buf); }
-    /** Saturates: more than 32 bits hold is refused by the library, too. */
-    uint32_t count() const;
+    /** `dtype` names it in the module, `argument` in the message. */
+    PyRecords(nb::handle array, const char *dtype, const char *argument);
+    ~PyRecords();
+    PyRecords(const PyRecords &) = delete;
+    PyRecords &operator=(const PyRecords &) = delete;
 
-private:
+protected:
+    /** Saturates: more than 32 bits hold is refused by the library, too. */
+    uint32_t count_of(size_t item_bytes) const;
     Py_buffer view_{};
+};
+
+template <class Item> class PyItems : public PyRecords {
+public:
+    using PyRecords::PyRecords;
+    const Item *data() const { return static_cast<const Item *>(view_.buf); }
+    uint32_t count() const { return count_of(sizeof(Item)); }
+};
+
+struct PyEdges : PyItems<opms_edge_t> {
+    explicit PyEdges(nb::handle array) : PyItems(array, "EDGE_DTYPE", "edges") {}
+};
+
+struct PyNodes : PyItems<opms_node_t> {
+    PyNodes(nb::handle array, const char *argument) : PyItems(array, "NODE_DTYPE", argument) {}
 };
 
 /** Read-only numpy view into a bound value; the value lives as long as the view. */
@@ -75,6 +92,10 @@ void py_bind_lens(nb::module_ &module);
 void py_bind_pose(nb::module_ &module);
 void py_bind_bar(nb::module_ &module);
 void py_bind_locate(nb::module_ &module);
+void py_bind_grid(nb::module_ &module);
+void py_bind_calib(nb::module_ &module);
+void py_bind_calib_results(nb::module_ &module);
+void py_bind_expect(nb::module_ &module);
 void py_bind_wire(nb::module_ &module);
 void py_bind_wire_calls(nb::module_ &module);
 

@@ -2,42 +2,14 @@
 /** @file
  * opms.Lens: rays to pixels and back, many at a time. */
 #include "py_convert.h"
+#include "py_rows.h"
 
 #include <cstdio>
-#include <memory>
 
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/tuple.h>
 
 namespace {
-
-using Points2 = nb::ndarray<const double, nb::shape<-1, 2>, nb::c_contig, nb::device::cpu>;
-using Points3 = nb::ndarray<const double, nb::shape<-1, 3>, nb::c_contig, nb::device::cpu>;
-
-template <ssize_t... Shape>
-using Result = nb::ndarray<nb::numpy, double, nb::shape<-1, Shape...>>;
-
-/** An uninitialised (N, Shape...) array while the GIL may be released, and then a numpy array. */
-template <ssize_t... Shape> class Buffer {
-public:
-    explicit Buffer(size_t rows)
-        : rows_(rows), values_(new double[rows * row_size + 1])
-    {
-    }
-    double *row(size_t i) { return values_.get() + i * row_size; }
-    Result<Shape...> release()
-    {
-        double *values = values_.get();
-        nb::capsule owner(values, [](void *p) noexcept { delete[] static_cast<double *>(p); });
-        values_.release();
-        return Result<Shape...>(values, {rows_, static_cast<size_t>(Shape)...}, owner);
-    }
-
-private:
-    static constexpr size_t row_size = (static_cast<size_t>(Shape) * ...);
-    size_t rows_;
-    std::unique_ptr<double[]> values_;
-};
 
 opms_lens_t make_lens(int32_t width_px, int32_t height_px, double fx_px, double fy_px,
                       double cx_px, double cy_px, double k1, double k2, double p1, double p2)
@@ -62,9 +34,9 @@ template <class One> void for_rows(size_t count, const One &one)
     }
 }
 
-Result<2> project(const opms_lens_t &lens, const Points3 &points_m)
+PyRows<2> project(const opms_lens_t &lens, const PyPoints3 &points_m)
 {
-    Buffer<2> px(points_m.shape(0));
+    PyRowsBuffer<2> px(points_m.shape(0));
     const double *in = points_m.data();
     for_rows(points_m.shape(0), [&](size_t i, opms_error_t *err) {
         return opms_lens_project(&lens, in + 3 * i, px.row(i), nullptr, nullptr, err);
@@ -72,12 +44,12 @@ Result<2> project(const opms_lens_t &lens, const Points3 &points_m)
     return px.release();
 }
 
-auto project_gradients(const opms_lens_t &lens, const Points3 &points_m)
+auto project_gradients(const opms_lens_t &lens, const PyPoints3 &points_m)
 {
     const size_t count = points_m.shape(0);
-    Buffer<2> px(count);
-    Buffer<2, 3> jac(count);
-    Buffer<2, 8> jac_intrinsics(count);
+    PyRowsBuffer<2> px(count);
+    PyRowsBuffer<2, 3> jac(count);
+    PyRowsBuffer<2, 8> jac_intrinsics(count);
     const double *in = points_m.data();
     for_rows(count, [&](size_t i, opms_error_t *err) {
         return opms_lens_project(&lens, in + 3 * i, px.row(i), jac.row(i), jac_intrinsics.row(i),
@@ -86,9 +58,9 @@ auto project_gradients(const opms_lens_t &lens, const Points3 &points_m)
     return std::make_tuple(px.release(), jac.release(), jac_intrinsics.release());
 }
 
-Result<2> unproject(const opms_lens_t &lens, const Points2 &px)
+PyRows<2> unproject(const opms_lens_t &lens, const PyPoints2 &px)
 {
-    Buffer<2> ray(px.shape(0));
+    PyRowsBuffer<2> ray(px.shape(0));
     const double *in = px.data();
     for_rows(px.shape(0), [&](size_t i, opms_error_t *err) {
         return opms_lens_unproject(&lens, in + 2 * i, ray.row(i), nullptr, err);
@@ -96,11 +68,11 @@ Result<2> unproject(const opms_lens_t &lens, const Points2 &px)
     return ray.release();
 }
 
-auto unproject_gradients(const opms_lens_t &lens, const Points2 &px)
+auto unproject_gradients(const opms_lens_t &lens, const PyPoints2 &px)
 {
     const size_t count = px.shape(0);
-    Buffer<2> ray(count);
-    Buffer<2, 2> jac(count);
+    PyRowsBuffer<2> ray(count);
+    PyRowsBuffer<2, 2> jac(count);
     const double *in = px.data();
     for_rows(count, [&](size_t i, opms_error_t *err) {
         return opms_lens_unproject(&lens, in + 2 * i, ray.row(i), jac.row(i), err);

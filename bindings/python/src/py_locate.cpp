@@ -1,10 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /** @file
  * opms.Locator: from a picture to the detector's pose in one call. */
-#include "py_convert.h"
+#include "py_handle.h"
 
-#include <memory>
-#include <mutex>
 #include <vector>
 
 #include <nanobind/stl/array.h>
@@ -14,30 +12,22 @@ namespace {
 
 using namespace nb::literals;
 
-struct LocatorDelete {
-    void operator()(opms_locator_t *locator) const { opms_locator_destroy(locator); }
-};
-
 struct Location {
     opms_location_t value;
     nb::object squares, edges, residuals_px;
 };
 
-/** The C handle serves one thread at a time; the lock queues the others. */
 class Locator {
 public:
     Locator(const opms_camera_t &camera, double bar_tilt_rad, int32_t min_square_px)
+        : locator_([&](opms_locator_t **locator, opms_error_t *err) {
+              opms_locator_options_t options;
+              opms_locator_options_init(&options);
+              options.bar_tilt_rad = bar_tilt_rad;
+              options.bar.min_square_px = min_square_px;
+              return opms_locator_create(&camera, &options, locator, err);
+          })
     {
-        opms_locator_options_t options;
-        opms_locator_options_init(&options);
-        options.bar_tilt_rad = bar_tilt_rad;
-        options.bar.min_square_px = min_square_px;
-        opms_locator_t *locator = nullptr;
-        opms_error_t err = {};
-        if (opms_locator_create(&camera, &options, &locator, &err) != OPMS_OK) {
-            py_raise(err);
-        }
-        locator_.reset(locator);
     }
 
     Location locate(const PyImage &image, const PyRoi &roi, const opms_transform_t *hint,
@@ -45,16 +35,16 @@ public:
     {
         const opms_image_t view = py_image(image, white_level);
         const opms_roi_t region = py_roi(roi);
-        return run([&](opms_location_t *location, opms_error_t *err) {
-            return opms_locator_locate(locator_.get(), &view, &region, hint, location, err);
+        return run([&](opms_locator_t *locator, opms_location_t *location, opms_error_t *err) {
+            return opms_locator_locate(locator, &view, &region, hint, location, err);
         });
     }
 
     Location solve(nb::handle edges)
     {
         const PyEdges in(edges);
-        return run([&](opms_location_t *location, opms_error_t *err) {
-            return opms_locator_solve(locator_.get(), in.data(), in.count(), location, err);
+        return run([&](opms_locator_t *locator, opms_location_t *location, opms_error_t *err) {
+            return opms_locator_solve(locator, in.data(), in.count(), location, err);
         });
     }
 
@@ -67,15 +57,15 @@ private:
         bool has_residuals = false;
     };
 
-    Details copy_details() const
+    static Details copy_details(const opms_locator_t *locator)
     {
         Details details;
         uint32_t count = 0;
-        const opms_square_t *squares = opms_locator_squares(locator_.get(), &count);
+        const opms_square_t *squares = opms_locator_squares(locator, &count);
         details.squares.assign(squares, squares + count);
-        const opms_edge_t *edges = opms_locator_edges(locator_.get(), &count);
+        const opms_edge_t *edges = opms_locator_edges(locator, &count);
         details.edges.assign(edges, edges + count);
-        if (const double *residuals_px = opms_locator_residuals_px(locator_.get())) {
+        if (const double *residuals_px = opms_locator_residuals_px(locator)) {
             details.residuals_px.assign(residuals_px, residuals_px + count);
             details.has_residuals = true;
         }
@@ -86,19 +76,11 @@ private:
     {
         Location location = {};
         Details details;
-        opms_error_t err = {};
-        opms_status_t status;
-        {
-            nb::gil_scoped_release release;
-            std::lock_guard<std::mutex> one_at_a_time(busy_);
-            status = call(&location.value, &err);
-            if (status == OPMS_OK) {
-                details = copy_details();
-            }
-        }
-        if (status != OPMS_OK) {
-            py_raise(err);
-        }
+        locator_.run([&](opms_locator_t *locator, opms_error_t *err) {
+            OPMS_PY_TRY(call(locator, &location.value, err));
+            details = copy_details(locator);
+            return OPMS_OK;
+        });
         location.squares = py_squares(details.squares.data(), details.squares.size());
         location.edges = py_edges(details.edges.data(), details.edges.size());
         location.residuals_px =
@@ -108,8 +90,7 @@ private:
         return location;
     }
 
-    std::unique_ptr<opms_locator_t, LocatorDelete> locator_;
-    std::mutex busy_;
+    PyHandle<opms_locator_t, opms_locator_destroy> locator_;
 };
 
 bool located(const Location &self)

@@ -32,6 +32,12 @@ void bind_constants(nb::module_ &module)
     module.attr("BAR_ORIGIN") = OPMS_BAR_ORIGIN;
     module.attr("SQUARE_DTYPE") = py_square_dtype();
     module.attr("EDGE_DTYPE") = py_edge_dtype();
+    module.attr("NODE_DTYPE") = py_node_dtype();
+    module.attr("GRID_PITCH_M") = OPMS_GRID_PITCH_M;
+    module.attr("GRID_LINE_M") = OPMS_GRID_LINE_M;
+    module.attr("GRID_CENTRE") = OPMS_GRID_CENTRE;
+    module.attr("GRID_NODES_X") = OPMS_GRID_NODES_X;
+    module.attr("GRID_NODES_Y") = OPMS_GRID_NODES_Y;
 }
 
 } // namespace
@@ -45,5 +51,8 @@ NB_MODULE(_opms, module)
     py_bind_pose(module);
     py_bind_bar(module);
     py_bind_locate(module);
+    py_bind_grid(module);
+    py_bind_calib(module);
+    py_bind_expect(module);
     py_bind_wire(module);
 }

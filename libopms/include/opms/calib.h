@@ -59,7 +59,7 @@ typedef struct opms_calib_result {
     opms_lens_t lens;
     double covariance[64]; /**< row-major, order fx fy cx cy k1 k2 p1 p2, px and 1 */
     uint32_t pictures_used;
-    uint32_t points_used;  /**< with a robust weight above one half */
+    uint32_t points_used;  /**< with a robust weight above one quarter (4.2 sigmas) */
     uint32_t outliers;     /**< the others */
     uint32_t warnings;     /**< OPMS_CALIB_... */
     uint32_t iterations;
@@ -144,7 +144,7 @@ OPMS_API opms_status_t opms_calibrator_picture(const opms_calibrator_t *calibrat
 
 /** Residuals of one picture in the last solution.
  * @param[out] residuals  2 x count: (u, v) measured less model; NaN where the picture is not used.
- * @param[out] weights    NULL, or count robust weights, 0 to 1; below one half is an outlier.
+ * @param[out] weights    NULL, or count robust weights, 0 to 1; below one quarter is an outlier.
  * @return OPMS_OK or OPMS_ERR_ARG. @since 0.3 */
 OPMS_API opms_status_t opms_calibrator_residuals(const opms_calibrator_t *calibrator,
                                                  uint32_t picture, double *residuals,
@@ -219,7 +219,7 @@ OPMS_API opms_status_t opms_calibrator_foresee(const opms_calibrator_t *calibrat
 /** What new pictures say of a lens that was calibrated before. */
 typedef struct opms_calib_lens_check {
     uint32_t pictures_used;
-    uint32_t points_used;        /**< with a robust weight above one half */
+    uint32_t points_used;        /**< with a robust weight above one quarter (4.2 sigmas) */
     uint32_t outliers;
     double residual_rms_px;      /**< RMS length of the residuals, the lens as stated */
     double residual_free_rms_px; /**< the lens free, too: what the points are good for */
