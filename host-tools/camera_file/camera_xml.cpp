@@ -133,7 +133,13 @@ private:
                 std::string child_name;
                 const YAML::Node child = element(child_name, depth + 1);
                 has_children = true;
-                add_child(child_name, child, map, list);
+                if (child_name == "_") {
+                    add_pieces(words, list);
+                    words.clear();
+                    list.push_back(child);
+                } else {
+                    map.force_insert(child_name, child); /* twice: the fields' reader refuses */
+                }
             } else {
                 add_character(words);
             }
@@ -150,22 +156,11 @@ private:
         return has_children ? children(map, list, words) : value(words);
     }
 
-    static void add_child(const std::string &name, const YAML::Node &child, YAML::Node &map,
-                          YAML::Node &list)
+    YAML::Node children(const YAML::Node &map, YAML::Node list, const std::string &words) const
     {
-        if (name == "_") {
-            list.push_back(child);
-        } else {
-            map.force_insert(name, child); /* a key twice is for the reader of fields to refuse */
-        }
-    }
-
-    YAML::Node children(const YAML::Node &map, const YAML::Node &list,
-                        const std::string &words) const
-    {
-        const bool has_words = !std::all_of(words.begin(), words.end(), blank);
-        if (has_words || (map.size() != 0 && list.size() != 0)) {
-            fail("an element mixes a list, keys and text");
+        add_pieces(words, list);
+        if (map.size() != 0 && list.size() != 0) {
+            fail("an element mixes keys and values");
         }
         return list.size() != 0 ? list : map;
     }
@@ -231,9 +226,8 @@ private:
         return is_quoted ? camera_text_node(text) : YAML::Node(text);
     }
 
-    YAML::Node value(const std::string &words) const
+    void add_pieces(const std::string &words, YAML::Node &list) const
     {
-        YAML::Node list(YAML::NodeType::Sequence);
         for (std::size_t i = 0; i < words.size();) {
             if (blank(words[i])) {
                 i++;
@@ -241,6 +235,12 @@ private:
                 list.push_back(piece(words, i));
             }
         }
+    }
+
+    YAML::Node value(const std::string &words) const
+    {
+        YAML::Node list(YAML::NodeType::Sequence);
+        add_pieces(words, list);
         if (list.size() == 0) {
             return YAML::Node(YAML::NodeType::Null);
         }
