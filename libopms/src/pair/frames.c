@@ -9,6 +9,7 @@
 #define CLOCK_BOUND_MAX_NS 1500000 /* less than the slack that arrivals have */
 #define CLOCK_AGE_FITTED_NS ((int64_t)60 * SECOND_NS)
 #define CLOCK_AGE_COARSE_NS ((int64_t)10 * SECOND_NS)
+#define BEFORE_NEW 8 /* frames before a new one that its stamp is beyond */
 
 /** A camera time stamp in ns on a line that does not wrap. @return 0 where it makes none. */
 static int unwrap_stamp(opms_pairer_t *pairer, uint64_t ticks, int64_t *camera_ns)
@@ -41,6 +42,23 @@ static int read_arrival(const opms_pairer_t *pairer, int64_t arrival_host_ns, in
     return fit.bound_ns <= CLOCK_BOUND_MAX_NS && age_ns <= age_max_ns;
 }
 
+/** Are its id and its stamp beyond those of all pairs, and its stamp beyond those of the last
+ * frames, which may wait for their triggers yet? Else it may be of before the camera's start. */
+static int is_new(const opms_pairer_t *pairer, const pair_frame_t *frame)
+{
+    if (!frame->has_id || !frame->has_camera || !pairer->camera.valid ||
+        frame->id <= pairer->lock.newest_id || frame->camera_ns <= pairer->camera.camera_ns) {
+        return 0;
+    }
+    for (uint32_t i = 0; i < BEFORE_NEW && i < pairer->recent_count; ++i) {
+        const pair_seen_t *before = pair_recent(pairer, i);
+        if (before->has_camera && before->camera_ns >= frame->camera_ns) {
+            return 0;
+        }
+    }
+    return 1;
+}
+
 static void read_header(opms_pairer_t *pairer, const opms_frame_t *header, pair_frame_t *frame)
 {
     const opms_camera_profile_t *camera = &pairer->options.camera;
@@ -55,9 +73,7 @@ static void read_header(opms_pairer_t *pairer, const opms_frame_t *header, pair_
             (uint8_t)unwrap_stamp(pairer, header->camera_time_ticks, &frame->camera_ns);
     }
     frame->camera_epoch = pairer->camera.epoch;
-    frame->is_new = frame->has_id && frame->has_camera && pairer->camera.valid &&
-                    frame->id > pairer->lock.newest_id &&
-                    frame->camera_ns > pairer->camera.camera_ns;
+    frame->is_new = (uint8_t)is_new(pairer, frame);
     frame->has_arrival =
         (uint8_t)read_arrival(pairer, header->arrival_host_ns, &frame->arrival_box_ns);
 }

@@ -128,9 +128,8 @@ static pair_verdict_t judge_unnamed(const opms_pairer_t *pairer, const pair_fram
     if (before && number == ring->first) {
         return PAIR_VERDICT_STALE;
     }
-    const int last = !before && number == ring->next - 1 && pairer->ended;
-    if (!last && !pair_ring_timed(ring, before ? number - 1 : number + 1)) {
-        return PAIR_VERDICT_TRIGGER;
+    if (!pair_ring_timed(ring, before ? number - 1 : number + 1)) {
+        return PAIR_VERDICT_TRIGGER; /* also behind the last one: its successors may be told yet */
     }
     /* One that was not new when it came may be of a camera that has started anew: no later pair
      * confirms its clock. */
@@ -193,7 +192,11 @@ static pair_verdict_t judge_by_arrival(const opms_pairer_t *pairer, pair_frame_t
     evidence->number = number;
     evidence->witnesses = OPMS_WITNESS_FRAME_ID;
     if (!trigger) {
-        return judge_untimed(pairer, frame, number);
+        const pair_verdict_t untimed = judge_untimed(pairer, frame, number);
+        if (untimed == PAIR_VERDICT_CONTRADICTS) {
+            evidence->number = PAIR_NO_NUMBER;
+        }
+        return untimed;
     }
     const pair_timing_t timing = judge_arrival(pairer, frame, trigger);
     judge_strobe(frame, trigger);

@@ -49,7 +49,7 @@ typedef struct pair_frame {
     uint8_t phase;     /* pair_phase_t */
     uint8_t seen_before; /* a frame with its id came before */
     uint8_t later;     /* SUPPORTED: frames on time after it */
-    uint8_t is_new;    /* id and stamp were beyond those of all pairs when it came */
+    uint8_t is_new;    /* id and stamp were beyond those of all before when it came */
     uint32_t camera_epoch; /* when it came */
     uint32_t lock_epoch;   /* when it was judged */
     uint64_t pairs_before;    /* of the lock by which it was judged */
