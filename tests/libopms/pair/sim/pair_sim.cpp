@@ -108,8 +108,8 @@ void print_figures(Profile profile, const Figures &f)
 
 bool is_good(const Figures &f)
 {
-    return f.wrong_pairs == 0 && f.broken_sums == 0 &&
-           f.wrong_missing == 0 && f.wrong_orphans == 0 && f.slow_locks == 0 && f.pairable * 2 > f.frames &&
+    return f.wrong_pairs == 0 && f.broken_sums == 0 && f.wrong_missing == 0 &&
+           f.wrong_orphans == 0 && f.slow_locks == 0 && f.pairable * 2 > f.frames &&
            double(f.pairable_paired) >= LEAST_SHARE * double(f.pairable);
 }
 
