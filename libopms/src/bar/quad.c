@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "bar/quad.h"
 
+#include <limits.h>
+#include <math.h>
 #include <string.h>
 
 /* The contour is followed along the cracks between dark and light pixels. Each crack gives one
@@ -10,10 +12,20 @@
 static const int step_x[4] = {1, 0, -1, 0};
 static const int step_y[4] = {0, 1, 0, -1};
 
+static int is_inside(const view_t *view, int x, int y)
+{
+    return (unsigned)x < (unsigned)view->width && (unsigned)y < (unsigned)view->height;
+}
+
 static int is_dark(const view_t *view, int x, int y, float threshold)
 {
-    return x >= 0 && y >= 0 && x < view->width && y < view->height &&
-           (float)view_at(view, x, y) < threshold;
+    return is_inside(view, x, y) && (float)view_at(view, x, y) < threshold;
+}
+
+/** Grey level; light beyond the picture's border. */
+static int level_at(const view_t *view, int x, int y)
+{
+    return is_inside(view, x, y) ? view_at(view, x, y) : INT_MAX;
 }
 
 /** Follow the contour with the dark side on the right; returns the number of points, 0 if it is
@@ -26,32 +38,38 @@ static int follow(const view_t *view, int x, int y, float threshold, int longest
     if (x == 0) {
         return 0;
     }
-    /* (x, y) is dark and its left neighbour light: heading up with the dark side on the right. */
-    const int x_start = x, y_start = y;
-    int heading = 3, count = 0;
+    /* (x, y) is dark and its left neighbour light: heading up with the dark side on the right. Every
+     * step looks at two pixels at the most; the grey levels of the others are known. */
+    const int x_start = x, y_start = y, limit = (int)ceilf(threshold);
+    int heading = 3, count = 0, dark = view_at(view, x, y), light = view_at(view, x - 1, y);
     do {
         const int left = (heading + 3) & 3;
-        const int light_x = x + step_x[left], light_y = y + step_y[left];
-        if (light_x < 0 || light_y < 0 || light_x >= view->width || light_y >= view->height ||
-            count == longest) {
+        if (!is_inside(view, x + step_x[left], y + step_y[left]) || count == longest) {
             return 0;
         }
-        const float dark = (float)view_at(view, x, y);
-        const float light = (float)view_at(view, light_x, light_y);
-        const float part = (threshold - dark) / (light - dark);
+        const float part = (threshold - (float)dark) / (float)(light - dark);
         points[count].x = (float)x + part * (float)step_x[left];
         points[count].y = (float)y + part * (float)step_y[left];
         ++count;
         const int ahead_x = x + step_x[heading], ahead_y = y + step_y[heading];
-        if (!is_dark(view, ahead_x, ahead_y, threshold)) {
+        const int ahead = level_at(view, ahead_x, ahead_y);
+        if (ahead >= limit) {
             heading = (heading + 1) & 3; /* turn right around the same pixel */
-        } else if (is_dark(view, ahead_x + step_x[left], ahead_y + step_y[left], threshold)) {
-            x = ahead_x + step_x[left];
-            y = ahead_y + step_y[left];
+            light = ahead;
+            continue;
+        }
+        const int beside_x = ahead_x + step_x[left], beside_y = ahead_y + step_y[left];
+        const int beside = level_at(view, beside_x, beside_y);
+        if (beside < limit) {
+            x = beside_x;
+            y = beside_y;
             heading = left;
+            dark = beside;
         } else {
             x = ahead_x;
             y = ahead_y;
+            dark = ahead;
+            light = beside;
         }
     } while (x != x_start || y != y_start || heading != 3);
     return count;
