@@ -5,9 +5,9 @@ import tempfile
 import unittest
 from pathlib import Path
 
-from hw_kit import DATA, PROJECT, SCHEMATIC, copy_schematic
+from hw_kit import DATA, PROJECT, SCHEMATIC, BrokenCopy, copy_schematic, dump
 
-from kicad_text import FormatError, child, children, parse, value
+from kicad_text import FormatError, child, children, parse, properties, value
 from read_schematic import read
 
 
@@ -98,6 +98,39 @@ class ForKicad6(unittest.TestCase):
             library = {symbol[1] for symbol in children(child(sheet, "lib_symbols"), "symbol")}
             used = {value(symbol, "lib_id") for symbol in children(sheet, "symbol")}
             self.assertEqual(used, library, name)
+
+
+class SavedByKicad7(unittest.TestCase):
+    """KiCad 7 and later keep references in each symbol, and call a sheet's name otherwise."""
+
+    def test_references_and_sheets_are_read_the_newer_way(self):
+        with BrokenCopy() as box:
+            root = parse(box.root.read_text(encoding="utf-8"))
+            paths = {properties(sheet)["Sheet file"]: "/" + value(sheet, "uuid")
+                     for sheet in children(root, "sheet")}
+            units = {entry[1].rsplit("/", 1)[1]: entry
+                     for entry in children(child(root, "symbol_instances"), "path")}
+            for path in box.root.parent.glob("*.kicad_sch"):
+                node = parse(path.read_text(encoding="utf-8"))
+                self.rewrite(node, "/" + value(root, "uuid") + paths.get(path.name, ""), units)
+                path.write_text(dump(node), encoding="utf-8")
+            self.assertEqual(own_pin_sets(box.netlist()), own_pin_sets(read(SCHEMATIC)))
+
+    @staticmethod
+    def rewrite(node, path, units):
+        for symbol in children(node, "symbol"):
+            entry = units[value(symbol, "uuid")]
+            symbol.append(["instances", ["project", "opms-box",
+                                         ["path", path, ["reference", value(entry, "reference")],
+                                          ["unit", value(entry, "unit")]]]])
+            for field in children(symbol, "property"):
+                if field[1] == "Reference":
+                    field[2] = field[2].rstrip("0123456789") + "?"
+        for sheet in children(node, "sheet"):
+            for field in children(sheet, "property"):
+                field[1] = {"Sheet name": "Sheetname", "Sheet file": "Sheetfile"}[field[1]]
+        for old in children(node, "symbol_instances"):
+            node.remove(old)
 
 
 class BadFiles(unittest.TestCase):
