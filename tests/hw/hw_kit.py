@@ -79,6 +79,15 @@ class BrokenCopy:
             return found
         self.change(turn)
 
+    def mirror(self, reference, axis):
+        """As in a mirror: a transistor's source and drain change places, its gate does not."""
+        def flip(sheet):
+            found = self.symbols(sheet, reference)
+            for symbol in found:
+                symbol.insert(3, ["mirror", axis])
+            return found
+        self.change(flip)
+
     def set_value(self, reference, value):
         def write(sheet):
             found = self.symbols(sheet, reference)

@@ -79,9 +79,14 @@ class Faults(unittest.TestCase):
                 self.assert_caught(box, f"{reference}: its ")
 
     def test_swapped_pins_of_a_transistor_are_caught(self):
-        with BrokenCopy() as box:
-            box.turn_round("Q4")
-            self.assert_caught(box, "Q4")
+        for reference, axis, words in (("Q4", "x", "Q4: its source is at"),
+                                       ("Q5", "x", "Q5: its source is at"),
+                                       ("Q1", "y", "no partner, back to back")):
+            with BrokenCopy() as box:
+                box.mirror(reference, axis)
+                self.assert_caught(box, words)
+                self.assertFalse(any("not connected" in problem
+                                     for problem in problems(box.netlist())), reference)
 
     def test_a_bridge_across_the_isolation_is_caught(self):
         with BrokenCopy() as box:

@@ -3,7 +3,7 @@
 import re
 import unittest
 
-from hw_kit import ROOT, SCHEMATIC
+from hw_kit import ROOT, SCHEMATIC, BrokenCopy
 
 from electrical_rules import series_neighbours
 from read_schematic import read
@@ -16,21 +16,36 @@ NAMED_TEST_POINT = re.compile(r"\b(TP\d\d) \(([+\w]+)\)")
 REFERENCE = re.compile(r"(?<![-\w])(?:JP|TP(?=\d\d)|[RCDFJQU])\d{1,2}\b(?!-)")
 
 
+def names_at(netlist, connector, number):
+    """Of the pin's net, and of the one behind its fuse."""
+    net = netlist.net_of(connector, number)
+    return {found.short_name for found in series_neighbours(netlist, net)}
+
+
+def wrong_rows(netlist):
+    """Pins of the assembly guide's table that are something else in a netlist."""
+    return [f"{connector}.{number}" for connector, number, name in CONNECTOR_ROW.findall(ASSEMBLY)
+            if name not in names_at(netlist, connector, number)]
+
+
 class Guides(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         cls.netlist = read(SCHEMATIC)
 
     def names_at(self, connector, number):
-        """Of the pin's net, and of the one behind its fuse."""
-        net = self.netlist.net_of(connector, number)
-        return {found.short_name for found in series_neighbours(self.netlist, net)}
+        return names_at(self.netlist, connector, number)
 
     def test_the_table_of_connectors_is_the_schematics(self):
-        rows = CONNECTOR_ROW.findall(ASSEMBLY)
-        self.assertEqual(len(rows), 11)
-        for connector, number, name in rows:
-            self.assertIn(name, self.names_at(connector, number), f"{connector}.{number}")
+        self.assertEqual(len(CONNECTOR_ROW.findall(ASSEMBLY)), 11)
+        self.assertEqual(wrong_rows(self.netlist), [])
+
+    def test_swapped_pins_of_a_connector_are_caught(self):
+        with BrokenCopy() as box:
+            box.cut_wires_at("J6", "3")
+            box.cut_wires_at("J6", "2")
+            box.join(("J6", "3"), ("D8", "1"))
+            self.assertEqual(wrong_rows(box.netlist()), ["J6.2", "J6.3"])
 
     def test_the_table_has_every_pin_of_the_screw_terminals(self):
         rows = {(connector, number) for connector, number, _ in CONNECTOR_ROW.findall(ASSEMBLY)}

@@ -209,11 +209,18 @@ def bridged_isolation(netlist):
 
 
 def transistors_the_wrong_way(netlist):
+    """N: source to ground. P: in pairs, source to source, so that one of them always blocks."""
+    sources = {}
     for part in netlist.by_kind("Q"):
         nets = {pin.name: netlist.net_of(part.reference, number).name
                 for number, pin in part.pins.items()}
         if "N-MOSFET" in part.description and nets["S"] != GROUND:
             yield f"{part.reference}: its source is at {nets['S']}, not at ground"
+        if "P-MOSFET" in part.description:
+            sources.setdefault(nets["S"], []).append(part.reference)
+    for net, references in sources.items():
+        if len(references) != 2:
+            yield f"{', '.join(references)}: the source at {net} has no partner, back to back"
 
 
 def missing_decoupling(netlist):

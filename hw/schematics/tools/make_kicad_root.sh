@@ -9,8 +9,8 @@ set -euo pipefail
 root=${1:?usage: make_kicad_root.sh DIR}
 
 # The machine's own mirror, whatever it is.
-mirror=$(cat /etc/apt/sources.list /etc/apt/sources.list.d/* 2> /dev/null |
-    sed -nE 's/^(URIs:|deb( \[[^]]*\])?) *(https?:[^ ]*debian\/?)( .*)?$/\3/p' | head -n 1)
+mirror=$({ cat /etc/apt/sources.list /etc/apt/sources.list.d/* 2> /dev/null || true; } |
+    sed -nE 's/^(URIs:|deb( \[[^]]*\])?) *(https?:[^ ]*debian\/?)( .*)?$/\3/p' | sed -n 1p)
 debootstrap --variant=minbase trixie "$root" ${mirror:+"$mirror"}
 # How apt reaches the mirror from here (proxies and the like).
 cp -n /etc/apt/apt.conf.d/* "$root/etc/apt/apt.conf.d/"
