@@ -29,7 +29,7 @@ static void frame_only(int n)
 }
 
 /** Reports are late, so that the newest pair is older than the newest frame. A frame of before the
- * camera's last start comes; by chance its id and its stamp lie in between, and off the triggers. */
+ * camera's last start comes; by chance its id and stamp lie in between, and off the triggers. */
 static void an_old_frame_is_no_orphan_though_no_pair_is_newer_yet(void)
 {
     scene_start(&scene, STAMP_ONLY);
