@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """From a picture of the calibration grid ``a0-25`` to its labelled nodes.
 
-The node with label (i, j) lies at X = (i - CENTRE) * PITCH_M, Y = (j - CENTRE) * PITCH_M of the grid
-frame.
+The node with label (i, j) lies at X = (i - CENTRE) * PITCH_M and Y = (j - CENTRE) * PITCH_M of the
+grid frame.
 """
 
 from opms._opms import GRID_CENTRE as CENTRE

@@ -89,6 +89,15 @@ static inline opms_transform_t scene_pose(uint64_t *random, double tilt_rad)
     return pose;
 }
 
+/** Is this far from the axis (tangent) on the near side of the fold? */
+static inline int scene_before_fold(const opms_lens_t *lens, double radius)
+{
+    const double s = radius * radius, turn = -0.3 * lens->k1 / lens->k2;
+    const double least = turn > 0.0 && turn < s ? turn : s; /* of the slope, if it has one there */
+    return 1.0 + 3.0 * lens->k1 * s + 5.0 * lens->k2 * s * s > 0.0 &&
+           1.0 + 3.0 * lens->k1 * least + 5.0 * lens->k2 * least * least > 0.0;
+}
+
 static inline void scene_look(scene_t *scene, uint32_t k, const scene_plan_t *plan,
                               uint64_t *random)
 {
@@ -102,7 +111,8 @@ static inline void scene_look(scene_t *scene, uint32_t k, const scene_plan_t *pl
             const double node[3] = {X, Y, plan->cockle_m * (1.0 - part)};
             double p[3], px[2];
             truth_apply_inverse(&scene->target_camera[k], node, p);
-            if (!(p[2] > 0.05) || hypot(p[0], p[1]) > reach * p[2])
+            if (!(p[2] > 0.05) || hypot(p[0], p[1]) > reach * p[2] ||
+                !scene_before_fold(lens, hypot(p[0], p[1]) / p[2]))
                 continue;
             truth_project_camera(lens, p, px);
             if (px[0] < 3 || px[1] < 3 || px[0] > lens->width_px - 4 ||
@@ -118,10 +128,11 @@ static inline void scene_look(scene_t *scene, uint32_t k, const scene_plan_t *pl
     }
 }
 
-/** Pictures of one camera. */
-static inline void scene_take(scene_t *scene, const scene_plan_t *plan, uint64_t *random)
+/** Pictures of a camera. */
+static inline void scene_take_with(scene_t *scene, const opms_lens_t *lens,
+                                   const scene_plan_t *plan, uint64_t *random)
 {
-    scene->lens = scene_lens(random);
+    scene->lens = *lens;
     scene->picture_count = plan->pictures;
     for (uint32_t k = 0; k < plan->pictures; ++k) {
         do {
@@ -129,6 +140,13 @@ static inline void scene_take(scene_t *scene, const scene_plan_t *plan, uint64_t
             scene_look(scene, k, plan, random);
         } while (scene->point_count[k] < 30);
     }
+}
+
+/** Pictures of some camera. */
+static inline void scene_take(scene_t *scene, const scene_plan_t *plan, uint64_t *random)
+{
+    const opms_lens_t lens = scene_lens(random);
+    scene_take_with(scene, &lens, plan, random);
 }
 
 /** A calibrator that holds the pictures. */
