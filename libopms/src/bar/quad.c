@@ -38,7 +38,7 @@ static int follow(const view_t *view, int x, int y, float threshold, int longest
     if (x == 0) {
         return 0;
     }
-    /* (x, y) is dark and its left neighbour light: heading up with the dark side on the right. Every
+    /* (x, y) is dark and its left neighbour light: heading up with the dark side on the right. A
      * step looks at two pixels at the most; the grey levels of the others are known. */
     const int x_start = x, y_start = y, limit = (int)ceilf(threshold);
     int heading = 3, count = 0, dark = view_at(view, x, y), light = view_at(view, x - 1, y);
