@@ -41,8 +41,8 @@ std::string lens_text(const CheckResult &result)
            text_format("  would have shown: focal length off by %.2f %%, centre by %.1f px across, "
                        "%.1f px down\n",
                        100 * lens.shows_focal, lens.shows_centre_px[0], lens.shows_centre_px[1]) +
-           text_format("  nodes taken to be %.2f times as uncertain as measured: so far these "
-                       "residuals go\n", lens.noise_factor) +
+           text_format("  nodes taken to be %.2f times as uncertain as they were measured, as the "
+                       "residuals show\n", lens.noise_factor) +
            (result.lens_assumed ? "  the file does not say how well the lens is known; 0.07 % was "
                                   "assumed\n" : "");
 }
