@@ -19,7 +19,10 @@ constexpr double RAD = 3.14159265358979323846 / 180, CM_PER_M = 100, MM_PER_M = 
 constexpr double TILTS_RAD[] = {15 * RAD, 30 * RAD, 45 * RAD};
 constexpr double DISTANCES[] = {0.75, 1.0, 1.4}; /* of the first picture's */
 constexpr double MIDDLE_X_M = 0.2, MIDDLE_Y_M = 0.3; /* of the grid: looked at is a point in it */
-constexpr double STEEPEST_RAD = 60 * RAD, HEIGHT_LEAST_M = 0.1;
+constexpr double STEEPEST_RAD = 45 * RAD, HEIGHT_LEAST_M = 0.1;
+constexpr double PITCH_LEAST_PX = 17; /* the grid's lines, 2 of 25 mm, are then 1.3 px wide */
+constexpr double MARKER_PITCH_LEAST_PX = 26; /* there, so that the marker itself is seen */
+constexpr double BORDER_PX = 40;             /* that the marker keeps away from */
 constexpr double MARKER_M = 0.006; /* its middle, in X and in Y */
 constexpr int LINES_X = 16, LINES_Y = 22; /* of the grid, to either side */
 constexpr int COARSE = 2;                 /* every second line is enough to rank */
@@ -194,19 +197,54 @@ private:
 
     bool is_possible(const opms_transform_t &pose) const
     {
-        const Vec offset = Vec{MARKER_M, MARKER_M, 0} -
-                           Vec{pose.t_m[0], pose.t_m[1], pose.t_m[2]};
         double px[2];
-        const double marker[3] = {dot(offset, column(pose.R, 0)), dot(offset, column(pose.R, 1)),
-                                  dot(offset, column(pose.R, 2))};
         const opms_lens_t &lens = now_.camera.lens;
         return pose.t_m[2] >= HEIGHT_LEAST_M && -pose.R[8] >= std::cos(STEEPEST_RAD) &&
-               opms_lens_project(&lens, marker, px, nullptr, nullptr, nullptr) == OPMS_OK &&
-               px[0] > 0 && px[1] > 0 && px[0] < lens.width_px - 1 && px[1] < lens.height_px - 1;
+               look(pose, MARKER_M, MARKER_M, px) && px[0] > BORDER_PX && px[1] > BORDER_PX &&
+               px[0] < lens.width_px - BORDER_PX && px[1] < lens.height_px - BORDER_PX &&
+               least_pitch_px(pose, MARKER_M, MARKER_M) >= MARKER_PITCH_LEAST_PX;
     }
 
-    bool foresee(Candidate &candidate, const std::vector<double> &nodes) const
+    /** From a place of the grid to the next line, the shorter way; 0 where it is not seen. */
+    double least_pitch_px(const opms_transform_t &pose, double x, double y) const
     {
+        double at[2], along_x[2], along_y[2];
+        const bool seen = look(pose, x, y, at) && look(pose, x + OPMS_GRID_PITCH_M, y, along_x) &&
+                          look(pose, x, y + OPMS_GRID_PITCH_M, along_y);
+        return seen ? std::min(std::hypot(along_x[0] - at[0], along_x[1] - at[1]),
+                               std::hypot(along_y[0] - at[0], along_y[1] - at[1]))
+                    : 0;
+    }
+
+    bool look(const opms_transform_t &pose, double x_m, double y_m, double *px) const
+    {
+        const Vec offset = Vec{x_m, y_m, 0} - Vec{pose.t_m[0], pose.t_m[1], pose.t_m[2]};
+        const double point[3] = {dot(offset, column(pose.R, 0)), dot(offset, column(pose.R, 1)),
+                                 dot(offset, column(pose.R, 2))};
+        return opms_lens_project(&now_.camera.lens, point, px, nullptr, nullptr, nullptr) ==
+               OPMS_OK;
+    }
+
+    /** Those at which the lines are wide enough to be found. */
+    std::vector<double> readable(const opms_transform_t &pose,
+                                 const std::vector<double> &nodes) const
+    {
+        std::vector<double> kept;
+        for (std::size_t i = 0; i < nodes.size(); i += 2) {
+            const double x = nodes[i], y = nodes[i + 1];
+            if (least_pitch_px(pose, x, y) >= PITCH_LEAST_PX) {
+                kept.insert(kept.end(), {x, y});
+            }
+        }
+        return kept;
+    }
+
+    bool foresee(Candidate &candidate, const std::vector<double> &all) const
+    {
+        const std::vector<double> nodes = readable(candidate.pose, all);
+        if (nodes.empty()) {
+            return false;
+        }
         const opms_calib_view_t view = view_of(candidate.pose, nodes.data(), nodes.size() / 2);
         return opms_calibrator_foresee(calibrator_, &view, &candidate.foresight, nullptr) ==
                    OPMS_OK &&

@@ -73,7 +73,7 @@ class CalibrateReport(CliTest):
                 if key == "expected":
                     self.assertEqual(value, {k: document[key][k] for k in value})
                 elif key == "pictures":
-                    for given, shown in zip(value, document[key], strict=True):
+                    for given, shown in zip(value, document[key]):
                         self.assertEqual(given, {k: shown[k] for k in given})
                 elif key != "schema":
                     self.assertEqual(value, document[key])
@@ -85,7 +85,7 @@ class CalibrateReport(CliTest):
             nodes = picture["nodes"]
             self.assertEqual(len(nodes["px"]), picture["node_count"])
             squares = [u * u + v * v for (u, v), good
-                       in zip(nodes["residual_px"], nodes["inlier"], strict=True) if good]
+                       in zip(nodes["residual_px"], nodes["inlier"]) if good]
             self.assertEqual(len(nodes["px"]) - len(squares), picture["outliers"])
             self.assertAlmostEqual((sum(squares) / len(squares)) ** 0.5,
                                    picture["residual_rms_px"], 4)

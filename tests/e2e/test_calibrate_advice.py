@@ -86,9 +86,8 @@ class Advice(unittest.TestCase):
         part = advised["distance_m"] / math.hypot(*was)
         x, y = (moved[i] - part * was[i] for i in range(2))
         towards = {"left": -y, "right": y, "back": x, "ahead": -x}
-        if advised["tilt_deg"] > 0:
-            self.assertEqual(max(towards, key=towards.get), advised["towards"])
-            self.assertIn(f"by {advised['tilt_deg']:.0f} degrees", advised["advice"])
+        self.assertGreater(advised["tilt_deg"], 0)
+        self.assertEqual(max(towards, key=towards.get), advised["towards"])
 
     def test_parallel_pictures_are_told_how_to_go_on_and_the_report_says_do_it_again(self):
         result = run("simulate", "grid", "--out", self.folder / "parallel", "--count", 3,
@@ -101,6 +100,8 @@ class Advice(unittest.TestCase):
         self.assertEqual(result.returncode, 1, result.stderr)
         self.assertEqual(row["state"], "undetermined")
         self.assertGreaterEqual(row["next"]["tilt_deg"], 15)
+        self.assertIn(f"by {row['next']['tilt_deg']:.0f} degrees", row["next"]["advice"])
+        self.assertIn(f"{100 * row['next']['distance_m']:.0f} cm", row["next"]["advice"])
         self.assertFalse((self.folder / "found.yaml").exists())
         document = json.loads((report / "report.json").read_text())
         self.assertEqual(document["verdict"]["level"], "again")
