@@ -18,11 +18,12 @@ import numpy as np
 
 import accuracy
 from bench_build import ROOT, build_program, install_napa
+from bench_calib_peers import calibration
 from bench_calib_progress import progress
 from bench_calibration import covariance, volume_rows
 from bench_peers import all_peers
 from bench_render import KINDS, Light
-from bench_report import plot, table_markdown, verdicts, write_docs
+from bench_report import CALIBRATION_MARKERS, plot, table_markdown, verdicts, write_docs
 from bench_rotations import directions, rotations
 from bench_scenes import make_scenes, sweep
 from bench_stats import summarise
@@ -45,6 +46,9 @@ def arguments() -> argparse.Namespace:
                         help="pictures of --data turned by 30 degrees at a time")
     choice.add_argument("--directions", action="store_true",
                         help="simulated bars every 5 degrees, all sizes")
+    choice.add_argument("--calibration", action="store_true",
+                        help="calibration beside OpenCV's, node extraction, pictures to camera "
+                             "file; --data: pictures of the grid")
     choice.add_argument("--progress", action="store_true",
                         help="time of one more picture in a calibration of 12 and of 60")
     parser.add_argument("--quick", action="store_true", help="few pictures, to see that it works")
@@ -103,6 +107,16 @@ def report_table(options: argparse.Namespace, scenes, entries, limits) -> bool:
     return not missed
 
 
+def calibration_rows(options: argparse.Namespace) -> bool:
+    folder = options.data[0] if options.data else ROOT / "tests" / "data" / "grid"
+    table, good = calibration(options.opms, folder, options.work, options.seed, options.quick)
+    print(table)
+    if options.write_docs:
+        write_docs(ROOT / "docs", table, CALIBRATION_MARKERS)
+    print(f"\ncalibration: {'pass' if good else 'FAIL'}")
+    return good
+
+
 def accuracy_rows(options: argparse.Namespace, light: Light) -> bool:
     good = True
     for folder in options.data or [d for d in EXAMPLES if d.is_dir()]:
@@ -146,6 +160,9 @@ def main() -> int:
         chosen = True
         good &= directions(options.opms, options.work, 30 if options.quick else 5, light,
                            options.seed)
+    if options.calibration:
+        chosen = True
+        good &= calibration_rows(options)
     if options.progress:
         chosen = True
         good &= progress(options.build, options.work)
@@ -153,7 +170,7 @@ def main() -> int:
         chosen = True
         count = options.count or (100 if options.quick else 2000)
         good &= covariance(options.opms, options.work, count, light, options.seed)
-    if options.accuracy or options.data and not options.rotations:
+    if options.accuracy or options.data and not (options.rotations or options.calibration):
         chosen = True
         good &= accuracy_rows(options, light)
     if not chosen:

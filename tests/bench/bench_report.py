@@ -13,7 +13,9 @@ import numpy as np
 from bench_scenes import Scene
 from bench_table import LIBOPMS_MODES, Entry, entries_markdown
 
-BEGIN, END = "<!-- bench: generated from here -->", "<!-- bench: generated up to here -->"
+MARKERS = ("<!-- bench: generated from here -->", "<!-- bench: generated up to here -->")
+CALIBRATION_MARKERS = ("<!-- bench --calibration: generated from here -->",
+                       "<!-- bench --calibration: generated up to here -->")
 # what is asked: name in the table's rows, how many times faster libopms shall be
 FASTER = {"Napa": 4.0, "ArUco": 40.0, "AprilTag": 100.0}
 MEDIAN_MS, WORST_MS, FOLLOW_MS, MOST_RATIO = 0.4, 2.0, 0.15, 1.3
@@ -82,13 +84,13 @@ def speed_verdicts(entry: Entry, entries: list[Entry]) -> list[tuple[str, bool]]
     return result
 
 
-def write_docs(folder: Path, generated: str) -> None:
+def write_docs(folder: Path, generated: str, markers: tuple[str, str] = MARKERS) -> None:
     """Replaces what stands between the markers of bench.md."""
     path = folder / "bench.md"
-    text = path.read_text()
-    head, rest = text.split(BEGIN, 1)
-    tail = rest.split(END, 1)[1]
-    path.write_text(f"{head}{BEGIN}\n\n{generated}\n\n{END}{tail}")
+    begin, end = markers
+    head, rest = path.read_text().split(begin, 1)
+    tail = rest.split(end, 1)[1]
+    path.write_text(f"{head}{begin}\n\n{generated}\n\n{end}{tail}")
 
 
 def plot(scenes: list[Scene], entries: list[Entry], limits: dict[str, float], path: Path) -> None:
