@@ -14,8 +14,8 @@ void fit_nodes(opms_grid_detector_t *d);
 /** Fit one node again, some of its arms left out (ARM_...). */
 void refit_node(opms_grid_detector_t *d, int i, int j, unsigned without_arms);
 
-/** Take off what the bending of the lines has done to the fits; once, and last: the curvature at a
- * node is that of its neighbours, which must be where they belong. All at once, before any moves. */
+/** Take off what the bending of the lines has done to the fits; once, and last: the curvature at
+ * a node is that of its neighbours, which must be where they belong. All before any moves. */
 void straighten_nodes(opms_grid_detector_t *d);
 
 #endif
