@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # A folder with a Debian 13 and its KiCad (9.0), for machines whose own KiCad has no kicad-cli.
 #
-#   sudo hw/schematics/tools/make_kicad_root.sh DIR      2.5 GB; needs debootstrap
+#   sudo hw/schematics/tools/make_kicad_root.sh DIR      1 GB; needs debootstrap
 #   sudo OPMS_KICAD_ROOT=DIR python3 hw/schematics/tools/make_outputs.py
 set -euo pipefail
 
