@@ -622,7 +622,7 @@ class CalibUse(enum.IntEnum):
     USED = 0
 
     NOT_SOLVED = 1
-    """No solution since it was added."""
+    """No solution since it was added, or the last one failed."""
 
     NO_PLANE = 2
     """Its points are no view of a plane."""

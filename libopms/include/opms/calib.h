@@ -74,7 +74,7 @@ typedef struct opms_calib_result {
 /** What became of one picture. */
 typedef enum opms_calib_use {
     OPMS_CALIB_USED = 0,
-    OPMS_CALIB_NOT_SOLVED = 1, /**< no opms_calibrator_solve() since it was added */
+    OPMS_CALIB_NOT_SOLVED = 1, /**< no solution since it was added, or the last one failed */
     OPMS_CALIB_NO_PLANE = 2,   /**< its points are no view of a plane */
     OPMS_CALIB_NO_FIT = 3,     /**< a plane, but not seen by this camera */
     OPMS_CALIB_SWITCHED_OFF = 4 /**< by opms_calibrator_use() */

@@ -276,7 +276,39 @@ opms_status_t write_result(opms_calibrator &calibrator, const SolveEnd &end,
     result.cockle_scale_m = calibrator.cockle_scale_m;
     result.cockle_peak_m = cockle_peak(calibrator);
     result.warnings = warnings_of(calibrator, result);
-    return opms_lens_check(&result.lens, err);
+    opms_error_t why;
+    if (opms_lens_check(&result.lens, &why) != OPMS_OK) {
+        return opms_fail(err, OPMS_ERR_DOMAIN, STAGE, -1, "no camera fits the pictures: %s",
+                         why.message);
+    }
+    return OPMS_OK;
+}
+
+opms_status_t try_to_solve(opms_calibrator &calibrator, opms_calib_result_t &solution,
+                           opms_error_t *err)
+{
+    if (!take_all(calibrator)) {
+        return opms_fail(err, OPMS_ERR_DOMAIN, STAGE, -1, "%u pictures: a calibration needs %u",
+                         count_in_use(calibrator), PICTURES_LEAST);
+    }
+    SolveEnd end = {};
+    OPMS_TRY(solve_all(calibrator, end, err));
+    OPMS_TRY(write_result(calibrator, end, solution, err));
+    if (!end.converged) {
+        return opms_fail(err, OPMS_ERR_CONVERGE, STAGE, -1, "no solution after %d iterations",
+                         end.iterations);
+    }
+    return OPMS_OK;
+}
+
+/* No picture has a place in a solution that there is not. */
+void forget_solution(opms_calibrator &calibrator)
+{
+    for (uint32_t k = 0; k < calibrator.picture_count; ++k) {
+        if (in_use(calibrator.pictures[k])) {
+            calibrator.pictures[k].use = OPMS_CALIB_NOT_SOLVED;
+        }
+    }
 }
 
 } // namespace
@@ -288,24 +320,14 @@ opms_status_t opms_calibrator_solve(opms_calibrator_t *calibrator, opms_calib_re
         return opms_fail(err, OPMS_ERR_ARG, STAGE, -1, "%s is NULL",
                          calibrator ? "result" : "calibrator");
     }
-    if (!take_all(*calibrator)) {
-        return opms_fail(err, OPMS_ERR_DOMAIN, STAGE, -1, "%u pictures: a calibration needs %u",
-                         count_in_use(*calibrator), PICTURES_LEAST);
-    }
-    SolveEnd end = {};
     opms_calib_result_t solution;
-    opms_status_t status = solve_all(*calibrator, end, err);
-    if (status == OPMS_OK) {
-        status = write_result(*calibrator, end, solution, err);
-    }
-    if (status == OPMS_OK && !end.converged) {
-        status = opms_fail(err, OPMS_ERR_CONVERGE, STAGE, -1, "no solution after %d iterations",
-                           end.iterations);
-    }
+    const opms_status_t status = try_to_solve(*calibrator, solution, err);
     calibrator->solved = status == OPMS_OK; // a wrong place is no place to start the next from
     if (calibrator->solved) {
         calibrator->result = solution;
         *result = solution;
+    } else {
+        forget_solution(*calibrator);
     }
     return status;
 }

@@ -249,9 +249,8 @@ static void keep_fit(lattice_node_t *node, const crossing_t *crossing)
 }
 
 /* What the bending of the lines has done to the fit. */
-static vec2_t bent_by(opms_grid_detector_t *d, int i, int j)
+static vec2_t bent_by(opms_grid_detector_t *d, const lattice_node_t *node, int i, int j)
 {
-    const lattice_node_t *node = node_at(d, i, j);
     const vec2_t none = {0.f, 0.f};
     const vec2_t one = vec2_add(none, node->bend[0], curvature(d, i, j, 0));
     const vec2_t both = vec2_add(one, node->bend[1], curvature(d, i, j, 1));
@@ -260,15 +259,19 @@ static vec2_t bent_by(opms_grid_detector_t *d, int i, int j)
 
 void straighten_nodes(opms_grid_detector_t *d)
 {
+    /* All from where they are before any is moved; some in the queue were dropped since. */
     for (int k = 0; k < d->queue_in; ++k) {
-        lattice_node_t *node = &d->lattice[d->queue[k]];
-        if (node->sigma > 0.f) {
-            node->bend[0] = bent_by(d, d->queue[k] % LATTICE, d->queue[k] / LATTICE);
+        const int i = d->queue[k] % LATTICE, j = d->queue[k] / LATTICE;
+        lattice_node_t *node = node_at(d, i, j);
+        if (node) {
+            node->bend[0] = bent_by(d, node, i, j);
         }
     }
     for (int k = 0; k < d->queue_in; ++k) {
-        lattice_node_t *node = &d->lattice[d->queue[k]];
-        node->at = vec2_add(node->at, node->bend[0], node->sigma > 0.f ? -1.f : 0.f);
+        lattice_node_t *node = node_at(d, d->queue[k] % LATTICE, d->queue[k] / LATTICE);
+        if (node) {
+            node->at = vec2_add(node->at, node->bend[0], -1.f);
+        }
     }
 }
 

@@ -268,6 +268,9 @@ static void bad_calls_say_what_is_wrong(void)
     points[8].px[1] = points[7].px[1];
     TEST_ASSERT_EQUAL(OPMS_OK, opms_calibrator_add(calibrator, points, 100, NULL, &err));
     TEST_ASSERT_EQUAL(OPMS_ERR_DOMAIN, opms_calibrator_solve(calibrator, &result, &err));
+    opms_calib_picture_t picture; /* has no place in a solution that there is not */
+    TEST_ASSERT_EQUAL(OPMS_OK, opms_calibrator_picture(calibrator, 0, &picture, &err));
+    TEST_ASSERT_EQUAL(OPMS_CALIB_NOT_SOLVED, picture.use);
     opms_calibrator_destroy(calibrator);
     opms_calibrator_destroy(NULL);
 }
