@@ -30,7 +30,8 @@ void bind_enums(nb::module_ &module)
     nb::enum_<opms_calib_use_t>(module, "CalibUse", nb::is_arithmetic(),
                                 "What became of one picture.")
         .value("USED", OPMS_CALIB_USED)
-        .value("NOT_SOLVED", OPMS_CALIB_NOT_SOLVED, "No solution since it was added, or the last one failed.")
+        .value("NOT_SOLVED", OPMS_CALIB_NOT_SOLVED,
+               "No solution since it was added, or the last one failed.")
         .value("NO_PLANE", OPMS_CALIB_NO_PLANE, "Its points are no view of a plane.")
         .value("NO_FIT", OPMS_CALIB_NO_FIT, "A plane, but not seen by this camera.")
         .value("SWITCHED_OFF", OPMS_CALIB_SWITCHED_OFF, "By Calibrator.use().");
