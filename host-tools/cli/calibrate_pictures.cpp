@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "calibrate_run.hpp"
+#include "grid_reading_ahead.hpp"
 #include "text_table.hpp"
 
 namespace {
@@ -96,10 +97,10 @@ void label_backwards(std::vector<CalibratePicture> &pictures, const CalibrateTal
 std::vector<CalibratePicture> calibrate_read(const CalibrateJob &job, const CalibrateTalk &talk)
 {
     std::vector<CalibratePicture> pictures;
-    GridReader reader(job.white_level);
+    GridReadingAhead reader(job.images, job.white_level);
     for (const std::string &image : job.images) {
         CalibratePicture picture;
-        picture.grid = reader.read(image);
+        picture.grid = reader.next();
         if (!pictures.empty()) {
             relabel(pictures.back().grid, picture.grid);
         }
