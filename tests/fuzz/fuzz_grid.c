@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Any bytes as a picture of any size: whatever is seen in them, what comes out keeps the promises of
- * opms/grid.h, and a second call gives the same. What was found is then relabelled from itself.
+/* Any bytes as a picture of any size: whatever is seen in them, what comes out keeps the promises
+ * of opms/grid.h, and a second call gives the same. What was found is then relabelled from itself.
  *
  * The first bytes set up the call (struct setup), the others are the pixels, over and over again
  * until the picture is full. make_grid_corpus.py writes seeds of this form. */
