@@ -6,7 +6,7 @@
 
 #include <unity.h>
 
-#include "bar/median.h"
+#include "algebra/median.h"
 
 #define MOST 1500
 

@@ -7,7 +7,7 @@
 #include "algebra/spd.h"
 #include "bar/bar_code.h"
 #include "bar/clip_fit.h"
-#include "bar/median.h"
+#include "algebra/median.h"
 
 #define SCALE_SAMPLE 160
 #define TUKEY MAP_FIT_TUKEY

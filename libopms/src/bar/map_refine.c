@@ -8,7 +8,7 @@
 #include "bar/clip_fit.h"
 #include "bar/correlation.h"
 #include "bar/map_fit.h"
-#include "bar/median.h"
+#include "algebra/median.h"
 #include "bar/picture_shape.h"
 
 /* Passes of: measure the stretches where the map expects them, throw out those that cannot be a

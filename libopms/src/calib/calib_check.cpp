@@ -42,15 +42,6 @@ constexpr double SETTLED = 1e-2;  // promised fall of the cost, in sigma^2
 constexpr double SHOWN = 40.0, SHOWN_MOUNTING = 36.5;
 constexpr double FIT_LEAST = 0.5; // inliers a picture must have
 
-void add_to(opms_lens_t &lens, const Vec8 &step)
-{
-    double *const values[LENS] = {&lens.fx_px, &lens.fy_px, &lens.cx_px, &lens.cy_px,
-                                  &lens.k1,    &lens.k2,    &lens.p1,    &lens.p2};
-    for (int i = 0; i < LENS; ++i) {
-        *values[i] += step[i];
-    }
-}
-
 /* Information of a prior that no lens in use would feel. */
 Mat8 ridge_of(const opms_lens_t &lens)
 {
@@ -188,7 +179,7 @@ bool move_lens(opms_calibrator &calibrator, Vec8 step, double scale)
     const double cost = cost_of(calibrator, scale);
     for (int i = 0; i < HALVINGS; ++i, step *= 0.5) {
         calibrator.shape = before;
-        add_to(calibrator.shape.lens, step);
+        add_to(calibrator.shape.lens, step.data());
         if (opms_lens_check(&calibrator.shape.lens, nullptr) != OPMS_OK) {
             continue;
         }

@@ -34,15 +34,6 @@ struct SharedEquations {
     double own_gradient[SHARED]; // with the poses as they are
 };
 
-void add_to(opms_lens_t &lens, const double *step)
-{
-    double *const values[LENS] = {&lens.fx_px, &lens.fy_px, &lens.cx_px, &lens.cy_px,
-                                  &lens.k1,    &lens.k2,    &lens.p1,    &lens.p2};
-    for (int i = 0; i < LENS; ++i) {
-        *values[i] += step[i];
-    }
-}
-
 void add_priors(const opms_calibrator &calibrator, int size, SharedEquations &shared)
 {
     for (int i = 0; i < size; ++i) {

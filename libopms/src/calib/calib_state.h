@@ -55,6 +55,16 @@ struct Shape {
     double cockle[OPMS_CALIB_COCKLE_TERMS];
 };
 
+/** Move the lens's parameters, in the order of its covariance. */
+inline void add_to(opms_lens_t &lens, const double *step)
+{
+    double *const values[LENS] = {&lens.fx_px, &lens.fy_px, &lens.cx_px, &lens.cy_px,
+                                  &lens.k1,    &lens.k2,    &lens.p1,    &lens.p2};
+    for (int i = 0; i < LENS; ++i) {
+        *values[i] += step[i];
+    }
+}
+
 } // namespace opms::calib
 
 /** All of a handle; `pictures_max` pictures and their points follow it in memory. */

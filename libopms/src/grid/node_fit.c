@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "grid/node_fit.h"
 
-#include <stdlib.h>
-
+#include "algebra/median.h"
 #include "grid/line_fit.h"
 
 #define LINE_PART 0.08f    /* of the pitch: 2 mm of 25 mm */
@@ -183,18 +182,6 @@ static int fit_node(opms_grid_detector_t *d, int i, int j, unsigned arms, crossi
     return 0;
 }
 
-static int by_size(const void *a, const void *b)
-{
-    const float x = *(const float *)a, y = *(const float *)b;
-    return (x > y) - (x < y);
-}
-
-static float median(float *values, int n)
-{
-    qsort(values, (size_t)n, sizeof *values, by_size);
-    return n > 0 ? values[n / 2] : 0.f;
-}
-
 /* Sum of the residuals' variances of some nodes for a blur; the nodes stay where they are. */
 static float misfit(opms_grid_detector_t *d, const uint16_t *samples, int n, float blur)
 {
@@ -211,7 +198,7 @@ static float misfit(opms_grid_detector_t *d, const uint16_t *samples, int n, flo
         }
         node->at = at;
     }
-    return count >= 4 ? median(values, count) : HUGE_VALF;
+    return count >= 4 ? median_of(values, count) : HUGE_VALF;
 }
 
 /* Among a ladder of blurs the one that fits best, and the parabola through it and its neighbours.
@@ -307,8 +294,8 @@ void fit_nodes(opms_grid_detector_t *d)
             contrasts[count++] = node->contrast;
         }
     }
-    d->noise = median(noises, count);
-    d->contrast = median(contrasts, count);
+    d->noise = count > 0 ? median_of(noises, count) : 0.f;
+    d->contrast = count > 0 ? median_of(contrasts, count) : 0.f;
     drop_unfit(d);
 }
 

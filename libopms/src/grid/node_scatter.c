@@ -6,7 +6,7 @@
  * is (below 0.001 px), while independent errors of sigma make them sqrt(924) sigma large. */
 #include "grid/node_scatter.h"
 
-#include <stdlib.h>
+#include "algebra/median.h"
 
 #define ORDER 6
 #define SAMPLES_MOST 512
@@ -33,12 +33,6 @@ static int sample(opms_grid_detector_t *d, int k, int axis, float out[2])
     return 1;
 }
 
-static int by_size(const void *a, const void *b)
-{
-    const float x = *(const float *)a, y = *(const float *)b;
-    return (x > y) - (x < y);
-}
-
 /* Variance of the scatter along an axis over the stated one; 1 where that cannot be told. The
  * median, because a node that is spoilt is no reason to doubt the others. */
 static float excess(opms_grid_detector_t *d, int axis)
@@ -52,8 +46,7 @@ static float excess(opms_grid_detector_t *d, int axis)
     if (count < 2 * SAMPLES_LEAST) {
         return 1.f;
     }
-    qsort(values, (size_t)count, sizeof *values, by_size);
-    return values[count / 2] / NORMAL_MEDIAN;
+    return median_of(values, count) / NORMAL_MEDIAN;
 }
 
 void hold_sigmas_to_scatter(opms_grid_detector_t *d)

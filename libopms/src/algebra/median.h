@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /** @file
  * Medians of a few hundred numbers. */
-#ifndef OPMS_BAR_MEDIAN_H
-#define OPMS_BAR_MEDIAN_H
+#ifndef OPMS_ALGEBRA_MEDIAN_H
+#define OPMS_ALGEBRA_MEDIAN_H
 
-/** The value of rank count / 2; the values end up in another order. */
+/** The value of rank count / 2, count >= 1; the values end up in another order. */
 float median_of(float *values, int count);
 
 #endif

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "bar/median.h"
+#include "algebra/median.h"
 
 /* Selection by partitions that have no branch on a value: half of such branches would be foretold
  * wrongly, which costs more than all else. */
