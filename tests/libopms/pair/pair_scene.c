@@ -143,6 +143,18 @@ void scene_push_frame(pair_scene_t *scene, const opms_frame_t *frame)
     poll(scene);
 }
 
+void scene_report_only(pair_scene_t *scene, int n)
+{
+    const opms_trigger_report_t report = scene_report(scene, n);
+    scene_push_report(scene, &report);
+}
+
+void scene_frame_only(pair_scene_t *scene, int n)
+{
+    const opms_frame_t frame = scene_frame(scene, n);
+    scene_push_frame(scene, &frame);
+}
+
 void scene_step(pair_scene_t *scene, int n)
 {
     const opms_trigger_report_t report = scene_report(scene, n);

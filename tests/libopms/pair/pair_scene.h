@@ -49,6 +49,10 @@ opms_frame_t scene_frame(const pair_scene_t *scene, int n);
 void scene_push_report(pair_scene_t *scene, const opms_trigger_report_t *report);
 void scene_push_frame(pair_scene_t *scene, const opms_frame_t *frame);
 
+/** Trigger n: its report alone, or its frame alone. */
+void scene_report_only(pair_scene_t *scene, int n);
+void scene_frame_only(pair_scene_t *scene, int n);
+
 /** Trigger n: its report, then its frame. */
 void scene_step(pair_scene_t *scene, int n);
 void scene_steps(pair_scene_t *scene, int from, int to);

@@ -16,18 +16,6 @@ void tearDown(void)
     scene_end(&scene);
 }
 
-static void report_only(int n)
-{
-    const opms_trigger_report_t report = scene_report(&scene, n);
-    scene_push_report(&scene, &report);
-}
-
-static void frame_only(int n)
-{
-    const opms_frame_t frame = scene_frame(&scene, n);
-    scene_push_frame(&scene, &frame);
-}
-
 /** Reports are late, so that the newest pair is older than the newest frame. A frame of before the
  * camera's last start comes; by chance its id and stamp lie in between, and off the triggers. */
 static void an_old_frame_is_no_orphan_though_no_pair_is_newer_yet(void)
@@ -35,7 +23,7 @@ static void an_old_frame_is_no_orphan_though_no_pair_is_newer_yet(void)
     scene_start(&scene, STAMP_ONLY);
     scene_steps(&scene, 1, 40);
     for (int n = 41; n <= 45; ++n) {
-        frame_only(n);
+        scene_frame_only(&scene, n);
     }
     opms_frame_t old = scene_frame(&scene, 43);
     old.camera_time_ticks += 40 * MS;
@@ -43,7 +31,7 @@ static void an_old_frame_is_no_orphan_though_no_pair_is_newer_yet(void)
     old.tag = ODD_TAG;
     scene_push_frame(&scene, &old);
     for (int n = 41; n <= 45; ++n) {
-        report_only(n);
+        scene_report_only(&scene, n);
     }
     scene_steps(&scene, 46, 70);
     scene_close(&scene);
@@ -60,10 +48,10 @@ static void the_last_frames_before_a_reboot_are_no_orphans_while_reports_may_com
     opms_trigger_report_t other = scene_report(&scene, 41);
     other.boot_id = BOOT + 1;
     scene_push_report(&scene, &other);
-    frame_only(41);
-    frame_only(42);
-    report_only(43); /* tells 42 and 41 by its gaps */
-    frame_only(43);
+    scene_frame_only(&scene, 41);
+    scene_frame_only(&scene, 42);
+    scene_report_only(&scene, 43); /* tells 42 and 41 by its gaps */
+    scene_frame_only(&scene, 43);
     scene_close(&scene);
     scene_assert_paired(&scene, 1, 43);
 }
@@ -77,13 +65,13 @@ static void a_frame_behind_the_last_trigger_stays_uncertain(void)
                                       .session_id = SESSION,
                                       .argument = 41};
     TEST_ASSERT_EQUAL(OPMS_OK, opms_pairer_push_event(scene.pairer, &stop, NULL));
-    report_only(41);
+    scene_report_only(&scene, 41);
     opms_frame_t extra = scene_frame(&scene, 41);
     extra.camera_time_ticks += 45 * MS;
     extra.arrival_host_ns += 45 * MS;
     extra.frame_id += 1;
     extra.tag = ODD_TAG;
-    frame_only(41);
+    scene_frame_only(&scene, 41);
     scene_push_frame(&scene, &extra);
     scene_close(&scene);
     scene_assert_paired(&scene, 1, 41);
@@ -102,7 +90,7 @@ static void a_trigger_is_not_missing_whose_frame_has_an_id_of_before_the_cameras
     for (int n = 1; n <= 150; ++n) {
         opms_frame_t frame = scene_frame(&scene, n);
         frame.frame_id = n == 1 ? 10 : (uint64_t)(n - 5);
-        report_only(n);
+        scene_report_only(&scene, n);
         if (n == 1 || n >= 5) {
             scene_push_frame(&scene, &frame);
         }

@@ -24,24 +24,12 @@ static void step_with_id(int n, int64_t id)
     scene_push_frame(&scene, &frame);
 }
 
-static void report_only(int n)
-{
-    const opms_trigger_report_t report = scene_report(&scene, n);
-    scene_push_report(&scene, &report);
-}
-
-static void frame_only(int n)
-{
-    const opms_frame_t frame = scene_frame(&scene, n);
-    scene_push_frame(&scene, &frame);
-}
-
 static void a_lost_frame_leaves_its_trigger_missing(void)
 {
     for (int kind = STAMP_AND_STROBE; kind <= ARRIVAL_ONLY; ++kind) {
         scene_start(&scene, (pair_kind_t)kind);
         scene_steps(&scene, 1, 30);
-        report_only(31);
+        scene_report_only(&scene, 31);
         scene_steps(&scene, 32, 150);
         TEST_ASSERT_EQUAL(OPMS_TRIGGER_MISSING, scene_of_trigger(&scene, 31)->trigger_state);
         scene_close(&scene);
@@ -56,8 +44,8 @@ static void two_lost_reports_are_filled_by_the_gaps_of_the_next(void)
     for (int kind = STAMP_AND_STROBE; kind <= ARRIVAL_ONLY; ++kind) {
         scene_start(&scene, (pair_kind_t)kind);
         scene_steps(&scene, 1, 30);
-        frame_only(31);
-        frame_only(32);
+        scene_frame_only(&scene, 31);
+        scene_frame_only(&scene, 32);
         scene_steps(&scene, 33, 60);
         scene_close(&scene);
         scene_assert_paired(&scene, 1, 60);
@@ -82,7 +70,7 @@ static void longer_losses_are_told_as_gaps_and_filled_by_history(void)
     scene_start(&scene, STAMP_ONLY);
     scene_steps(&scene, 1, 30);
     for (int n = 31; n <= 36; ++n) {
-        frame_only(n);
+        scene_frame_only(&scene, n);
     }
     scene_step(&scene, 37); /* tells 36 and 35 by its gaps */
     opms_pair_gap_t gaps[4];
@@ -108,7 +96,7 @@ static void a_trigger_without_a_time_ends_uncertain_and_so_does_its_frame(void)
     scene_start(&scene, STAMP_ONLY);
     scene_steps(&scene, 1, 30);
     for (int n = 31; n <= 36; ++n) {
-        frame_only(n);
+        scene_frame_only(&scene, n);
     }
     scene_steps(&scene, 37, 60);
     scene_close(&scene);
@@ -156,7 +144,7 @@ static void a_trigger_that_the_camera_ignored_shifts_no_stamped_pair(void)
 {
     scene_start(&scene, STAMP_ONLY);
     scene_steps(&scene, 1, 40);
-    report_only(41);
+    scene_report_only(&scene, 41);
     for (int n = 42; n <= 150; ++n) {
         step_with_id(n, n + ID_LESS_NUMBER - 1);
     }
@@ -191,7 +179,7 @@ static void a_camera_that_restarts_is_locked_again_and_its_frames_are_paired_in_
     scene_start(&scene, STAMP_ONLY);
     scene_steps(&scene, 1, 100);
     for (int n = 101; n <= 115; ++n) {
-        report_only(n);
+        scene_report_only(&scene, n);
     }
     for (int n = 116; n <= 160; ++n) {
         const opms_trigger_report_t report = scene_report(&scene, n);
@@ -237,7 +225,7 @@ static void frames_of_a_stalled_host_are_paired_by_stamp_and_uncertain_by_arriva
         scene_steps(&scene, 1, 50);
         const int64_t end = scene_trigger_ns(&scene, 80) + HOST_LESS_BOX_NS + 90 * MS;
         for (int n = 51; n <= 80; ++n) {
-            report_only(n);
+            scene_report_only(&scene, n);
         }
         for (int n = 51; n <= 80; ++n) {
             opms_frame_t frame = scene_frame(&scene, n);
@@ -258,7 +246,7 @@ static void a_frame_that_comes_after_the_longest_wait_is_stale(void)
 {
     scene_start(&scene, STAMP_ONLY);
     scene_steps(&scene, 1, 40);
-    report_only(41);
+    scene_report_only(&scene, 41);
     scene_steps(&scene, 42, 110);
     opms_frame_t late = scene_frame(&scene, 41);
     late.arrival_host_ns = scene_frame(&scene, 110).arrival_host_ns + 10 * MS;
@@ -275,7 +263,7 @@ static void come_after(pair_kind_t kind, int64_t delay_ns, opms_frame_state_t fr
 {
     scene_start(&scene, kind);
     scene_steps(&scene, 1, 40);
-    report_only(41);
+    scene_report_only(&scene, 41);
     scene_steps(&scene, 42, 100);
     opms_frame_t late = scene_frame(&scene, 41);
     late.arrival_host_ns = scene_trigger_ns(&scene, 41) + HOST_LESS_BOX_NS + delay_ns;
@@ -305,7 +293,7 @@ static void nothing_is_paired_across_two_boots_of_the_box(void)
     opms_trigger_report_t other = scene_report(&scene, 41);
     other.boot_id = BOOT + 1;
     scene_push_report(&scene, &other);
-    frame_only(41);
+    scene_frame_only(&scene, 41);
     const opms_pair_summary_t summary = scene_summary(&scene);
     TEST_ASSERT_TRUE(summary.ended);
     TEST_ASSERT_EQUAL_UINT64(1, summary.counters.boots_seen);
@@ -318,9 +306,9 @@ static void nothing_is_paired_across_two_sessions(void)
 {
     scene_start(&scene, STAMP_ONLY);
     scene_steps(&scene, 1, 40);
-    report_only(41);
+    scene_report_only(&scene, 41);
     scene_close(&scene);
-    frame_only(41); /* between the sessions */
+    scene_frame_only(&scene, 41); /* between the sessions */
     scene_open(&scene, BOOT, SESSION + 1);
     opms_frame_t frame = scene_frame(&scene, 41);
     frame.tag = 9999;
@@ -367,7 +355,7 @@ static void without_pings_there_is_no_lock_and_no_pair(void)
         opms_trigger_report_t report = scene_report(&scene, n);
         report.boot_id = BOOT + 5;
         scene_push_report(&scene, &report);
-        frame_only(n);
+        scene_frame_only(&scene, n);
     }
     TEST_ASSERT_EQUAL(OPMS_PAIR_SEARCHING, scene_summary(&scene).state);
     scene_close(&scene);
