@@ -1,32 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include <nlohmann/json.hpp>
-
 #include "calibrate_check.hpp"
+#include "json_values.hpp"
 
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-Json json_vector(const double *values, int count)
-{
-    return Json(std::vector<double>(values, values + count));
-}
-
-Json json_matrix(const double *values, int rows, int cols)
-{
-    Json matrix = Json::array();
-    for (int r = 0; r < rows; r++) {
-        matrix.push_back(json_vector(values + r * cols, cols));
-    }
-    return matrix;
-}
-
-Json json_lens(const opms_lens_t &lens)
-{
-    return {{"fx_px", lens.fx_px}, {"fy_px", lens.fy_px}, {"cx_px", lens.cx_px},
-            {"cy_px", lens.cy_px}, {"k1", lens.k1},       {"k2", lens.k2},
-            {"p1", lens.p1},       {"p2", lens.p2}};
-}
 
 void add_lens(Json &row, const CheckResult &result)
 {

@@ -1,29 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include <cmath>
 
-#include <nlohmann/json.hpp>
-
 #include "calibrate_text.hpp"
+#include "json_values.hpp"
 
 namespace {
 
 using Json = nlohmann::ordered_json;
 
 constexpr double DEG = 180 / 3.14159265358979323846, MM_PER_M = 1e3;
-
-Json json_vector(const double *values, int count)
-{
-    return Json(std::vector<double>(values, values + count));
-}
-
-Json json_matrix(const double *values, int rows, int cols)
-{
-    Json matrix = Json::array();
-    for (int r = 0; r < rows; r++) {
-        matrix.push_back(json_vector(values + r * cols, cols));
-    }
-    return matrix;
-}
 
 const char *state_name(CalibrateState state)
 {
@@ -67,9 +52,7 @@ void add_lens(Json &row, const opms_calib_result_t &calib)
     const opms_lens_t &lens = calib.lens;
     row["width_px"] = lens.width_px;
     row["height_px"] = lens.height_px;
-    row["lens"] = {{"fx_px", lens.fx_px}, {"fy_px", lens.fy_px}, {"cx_px", lens.cx_px},
-                   {"cy_px", lens.cy_px}, {"k1", lens.k1},       {"k2", lens.k2},
-                   {"p1", lens.p1},       {"p2", lens.p2}};
+    row["lens"] = json_lens(lens);
     row["covariance_intrinsics"] = json_matrix(calib.covariance, 8, 8);
     row["residual_rms_px"] = calib.residual_rms_px;
     row["chi2_dof"] = calib.chi2_dof;

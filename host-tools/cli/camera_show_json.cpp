@@ -1,25 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include <nlohmann/json.hpp>
-
 #include "camera_show.hpp"
+#include "json_values.hpp"
 
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-Json json_vector(const double *values, int count)
-{
-    return Json(std::vector<double>(values, values + count));
-}
-
-Json json_matrix(const double *values, int rows, int cols)
-{
-    Json matrix = Json::array();
-    for (int r = 0; r < rows; r++) {
-        matrix.push_back(json_vector(values + r * cols, cols));
-    }
-    return matrix;
-}
 
 void add_camera(Json &row, const opms_camera_t &camera)
 {
@@ -27,9 +12,7 @@ void add_camera(Json &row, const opms_camera_t &camera)
     const CameraView view = camera_view(lens);
     row["width_px"] = lens.width_px;
     row["height_px"] = lens.height_px;
-    row["lens"] = {{"fx_px", lens.fx_px}, {"fy_px", lens.fy_px}, {"cx_px", lens.cx_px},
-                   {"cy_px", lens.cy_px}, {"k1", lens.k1},       {"k2", lens.k2},
-                   {"p1", lens.p1},       {"p2", lens.p2}};
+    row["lens"] = json_lens(lens);
     row["view_deg"] = {view.across_deg, view.down_deg, view.diagonal_deg};
     if (camera.has_covariance_intrinsics) {
         row["covariance_intrinsics"] = json_matrix(camera.covariance_intrinsics, 8, 8);

@@ -4,8 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include <nlohmann/json.hpp>
-
+#include "json_values.hpp"
 #include "text_table.hpp"
 
 namespace {
@@ -13,20 +12,6 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr double DEG = 180 / 3.14159265358979323846;
-
-Json json_matrix(const double *values, int rows, int cols)
-{
-    Json matrix = Json::array();
-    for (int r = 0; r < rows; r++) {
-        matrix.push_back(Json(std::vector<double>(values + r * cols, values + (r + 1) * cols)));
-    }
-    return matrix;
-}
-
-Json json_vector(const double *values, int count)
-{
-    return Json(std::vector<double>(values, values + count));
-}
 
 Json json_squares(const std::vector<opms_square_t> &squares)
 {
