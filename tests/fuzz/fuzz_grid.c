@@ -11,6 +11,8 @@
 
 #include <opms/grid.h>
 
+#include "fuzz_picture.h"
+
 /* All of one byte, so that a fuzzer's change of a byte is a change of one thing. */
 struct setup {
     uint8_t width, height; /* less one */
@@ -24,35 +26,6 @@ struct setup {
 enum flag { FLAG_16_BIT = 1, FLAG_WHITE_LEVEL = 2, FLAG_OTHER_SIZE = 4 };
 
 static opms_node_t first[OPMS_GRID_NODES_MAX], second[OPMS_GRID_NODES_MAX];
-
-static void require(int holds)
-{
-    if (!holds) {
-        abort();
-    }
-}
-
-/* A block that ends with the last pixel, so that a sanitizer sees the first byte read beyond. */
-static void *make_pixels(const struct setup *setup, const uint8_t *data, size_t size,
-                         opms_image_t *image)
-{
-    const int wide = (setup->flags & FLAG_16_BIT) != 0;
-    const size_t row = (size_t)(setup->width + 1) << wide;
-    const size_t stride = row + ((size_t)setup->padding & ~(size_t)wide);
-    const size_t bytes = stride * setup->height + row;
-    uint8_t *pixels = malloc(bytes);
-    require(pixels != NULL);
-    for (size_t i = 0; i < bytes; ++i) {
-        pixels[i] = size ? data[i % size] : 0;
-    }
-    image->pixels = pixels;
-    image->width_px = setup->width + 1;
-    image->height_px = setup->height + 1;
-    image->stride_bytes = (ptrdiff_t)stride;
-    image->format = wide ? OPMS_PIXEL_GREY16 : OPMS_PIXEL_GREY8;
-    image->white_level = setup->flags & FLAG_WHITE_LEVEL ? (wide ? 4095 : 200) : 0;
-    return pixels;
-}
 
 static void check_summary(const opms_grid_summary_t *summary, uint32_t count)
 {
@@ -152,7 +125,10 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     if (opms_grid_detector_create(&options, &detector, NULL) != OPMS_OK) {
         return 0;
     }
-    void *pixels = make_pixels(&setup, data + sizeof setup, size - sizeof setup, &image);
+    const struct fuzz_picture picture = {setup.width, setup.height, setup.padding,
+                                         setup.flags & FLAG_16_BIT,
+                                         setup.flags & FLAG_WHITE_LEVEL};
+    void *pixels = make_pixels(&picture, data + sizeof setup, size - sizeof setup, &image);
     if (setup.flags & FLAG_OTHER_SIZE) {
         opms_grid_summary_t summary;
         --image.width_px;

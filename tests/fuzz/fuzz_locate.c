@@ -11,6 +11,8 @@
 
 #include <opms/opms.h>
 
+#include "fuzz_picture.h"
+
 /* All of one byte, so that a fuzzer's change of a byte is a change of one thing. */
 struct setup {
     uint8_t width, height;  /* less one */
@@ -23,13 +25,6 @@ struct setup {
 };
 
 enum flag { FLAG_16_BIT = 1, FLAG_ROI = 2, FLAG_HINT = 4, FLAG_WHITE_LEVEL = 8 };
-
-static void require(int holds)
-{
-    if (!holds) {
-        abort();
-    }
-}
 
 static opms_camera_t make_camera(const struct setup *setup)
 {
@@ -46,28 +41,6 @@ static opms_camera_t make_camera(const struct setup *setup)
     lens->p1 = setup->p1 / 1000.0;
     lens->p2 = setup->p2 / 1000.0;
     return camera;
-}
-
-/* A block that ends with the last pixel, so that a sanitizer sees the first byte read beyond. */
-static void *make_pixels(const struct setup *setup, const uint8_t *data, size_t size,
-                         opms_image_t *image)
-{
-    const int wide = (setup->flags & FLAG_16_BIT) != 0;
-    const size_t row = (size_t)(setup->width + 1) << wide;
-    const size_t stride = row + ((size_t)setup->padding & ~(size_t)wide);
-    const size_t bytes = stride * setup->height + row;
-    uint8_t *pixels = malloc(bytes);
-    require(pixels != NULL);
-    for (size_t i = 0; i < bytes; ++i) {
-        pixels[i] = size ? data[i % size] : 0;
-    }
-    image->pixels = pixels;
-    image->width_px = setup->width + 1;
-    image->height_px = setup->height + 1;
-    image->stride_bytes = (ptrdiff_t)stride;
-    image->format = wide ? OPMS_PIXEL_GREY16 : OPMS_PIXEL_GREY8;
-    image->white_level = setup->flags & FLAG_WHITE_LEVEL ? (wide ? 4095 : 200) : 0;
-    return pixels;
 }
 
 static void require_finite(const double *values, size_t count)
@@ -158,7 +131,10 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
         return 0;
     }
     opms_image_t image;
-    void *pixels = make_pixels(&setup, data + sizeof setup, size - sizeof setup, &image);
+    const struct fuzz_picture picture = {setup.width, setup.height, setup.padding,
+                                         setup.flags & FLAG_16_BIT,
+                                         setup.flags & FLAG_WHITE_LEVEL};
+    void *pixels = make_pixels(&picture, data + sizeof setup, size - sizeof setup, &image);
     const opms_roi_t roi = {setup.roi[0], setup.roi[1], setup.roi[2], setup.roi[3]};
     const opms_transform_t hint = {.R = {0, 1, 0, 1, 0, 0, 0, 0, -1},
                                    .t_m = {setup.roi[0] / 1000.0, setup.roi[1] / 1000.0, 0.4}};
