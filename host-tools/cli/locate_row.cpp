@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "json_values.hpp"
+#include "location_json.hpp"
 #include "text_table.hpp"
 
 namespace {
@@ -12,48 +12,6 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr double DEG = 180 / 3.14159265358979323846;
-
-Json json_squares(const std::vector<opms_square_t> &squares)
-{
-    Json list = Json::array();
-    for (const opms_square_t &square : squares) {
-        list.push_back({{"index", square.index},
-                        {"corners_px", json_matrix(&square.corners_px[0][0], 4, 2)}});
-    }
-    return list;
-}
-
-Json json_includes(uint32_t bits)
-{
-    Json names = Json::array();
-    if (bits & OPMS_COVARIANCE_IMAGE) {
-        names.push_back("image");
-    }
-    if (bits & OPMS_COVARIANCE_INTRINSICS) {
-        names.push_back("intrinsics");
-    }
-    if (bits & OPMS_COVARIANCE_DETECTOR_CAMERA) {
-        names.push_back("detector_camera");
-    }
-    return names;
-}
-
-void add_pose(Json &row, const opms_location_t &location)
-{
-    const opms_pose_t &bar_camera = location.pose.bar_camera;
-    row["R_bar_camera"] = json_matrix(bar_camera.transform.R, 3, 3);
-    row["t_bar_camera_m"] = json_vector(bar_camera.transform.t_m, 3);
-    row["covariance"] = json_matrix(bar_camera.covariance, 6, 6);
-    if (location.has_ground_detector) {
-        const opms_pose_t &detector = location.ground_detector;
-        row["R_ground_detector"] = json_matrix(detector.transform.R, 3, 3);
-        row["t_ground_detector_m"] = json_vector(detector.transform.t_m, 3);
-        row["covariance_ground_detector"] = json_matrix(detector.covariance, 6, 6);
-        row["covariance_includes"] = json_includes(location.covariance_includes);
-    }
-    row["edge_shift_px"] = location.pose.edge_shift_px;
-    row["residual_px"] = location.pose.residual_px;
-}
 
 /** Whole microseconds, rounded so that the total stays at least the sum of its parts. */
 Json json_times(const LocateTimes &time)
@@ -96,14 +54,13 @@ std::string locate_json_row(const LocateResult &result)
     } else {
         /* Squares are given with their labels or not at all. */
         const bool labelled = result.location.bar.state == OPMS_BAR_LOCATED;
-        row["squares"] = labelled ? json_squares(result.squares) : Json::array();
+        row["squares"] = labelled ? json_squares(result.squares.data(), result.squares.size()) : Json::array();
         if (result.located()) {
-            add_pose(row, result.location);
+            json_add_pose(row, result.location);
         }
         row["time_us"] = json_times(result.time);
     }
-    /* A file's name may be any bytes. */
-    return row.dump(-1, ' ', false, Json::error_handler_t::replace);
+    return json_line(row);
 }
 
 std::string locate_table_heading(bool of_detector, std::size_t name_width)

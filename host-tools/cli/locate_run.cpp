@@ -10,6 +10,7 @@
 #include <opms/apriltag.h>
 #endif
 
+#include "location_json.hpp"
 #include "picture_file.hpp"
 
 namespace {
@@ -178,18 +179,7 @@ std::unique_ptr<LocateRun> make_apriltag_run(const opms_camera_t &camera,
 
 const char *LocateResult::state_name() const
 {
-    if (!reason.empty()) {
-        return "error";
-    }
-    switch (location.state) {
-    case OPMS_BAR_LOCATED:
-        return "located";
-    case OPMS_BAR_AMBIGUOUS:
-        return "ambiguous";
-    case OPMS_BAR_ABSENT:
-        break;
-    }
-    return "absent";
+    return reason.empty() ? json_bar_state(location.state) : "error";
 }
 
 bool locate_bar_supported(const std::string &bar)

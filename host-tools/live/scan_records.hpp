@@ -59,6 +59,7 @@ struct FrameRecord {
     std::int64_t arrival_host_ns = 0;
     std::uint32_t flags = 0;
     double exposure_us = NOT_KNOWN, gain_db = NOT_KNOWN;
+    std::uint16_t white_level = 0; /**< of the picture, as in opms_image_t; so it is located anew */
 };
 
 /** A decision of the pairer. */
@@ -80,6 +81,7 @@ struct PoseRecord {
     bool is_mid_exposure = false; /**< false: t_scan_ns lacks terms that are not known */
     std::int64_t t_scan_ns = 0;  /**< mid-exposure since the start edge; before it: negative */
     std::int64_t t_host_ns = 0;  /**< the same instant on the host's clock; 0: not known */
+    std::uint64_t hint_number = 0; /**< picture whose pose was the locator's hint; 0: none was */
     opms_location_t location{};
     std::vector<opms_square_t> squares;
     std::vector<opms_edge_t> edges;    /**< enough to solve again without the picture */

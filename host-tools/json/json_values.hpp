@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /** @file
  * Numbers of libopms as JSON, in the form of every schema of the program. */
-#ifndef OPMS_CLI_JSON_VALUES_HPP
-#define OPMS_CLI_JSON_VALUES_HPP
+#ifndef OPMS_JSON_VALUES_HPP
+#define OPMS_JSON_VALUES_HPP
 
 #include <vector>
 
