@@ -54,7 +54,8 @@ std::string locate_json_row(const LocateResult &result)
     } else {
         /* Squares are given with their labels or not at all. */
         const bool labelled = result.location.bar.state == OPMS_BAR_LOCATED;
-        row["squares"] = labelled ? json_squares(result.squares.data(), result.squares.size()) : Json::array();
+        row["squares"] =
+            json_squares(result.squares.data(), labelled ? result.squares.size() : 0);
         if (result.located()) {
             json_add_pose(row, result.location);
         }

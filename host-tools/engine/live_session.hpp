@@ -42,7 +42,7 @@ struct SessionOptions {
     std::optional<opms_settings_t> box_settings; /**< set before arming; none: as they are */
     SourceStart source;                 /**< hardware_trigger is set by the mode */
     bool automatic_exposure = true;     /**< where the source can be set */
-    opms_exposure_options_t exposure{}; /**< struct_size 0: the defaults within the camera's limits */
+    opms_exposure_options_t exposure{}; /**< struct_size 0: defaults, in the camera's limits */
     std::uint32_t frame_queue = 64;     /**< pictures that may wait to be located */
     std::uint32_t picture_count = 0;    /**< mode capture: end after so many; 0: go on */
     std::uint32_t max_wait_ms = 0;      /**< of the pairer; 0: its default */

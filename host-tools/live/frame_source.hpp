@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /** @file
- * A camera as the live system sees it: GenICam (Aravis), V4L2, simulated, replayed, or a preview. */
+ * A camera as the live system sees it: GenICam (Aravis), V4L2, simulated, replayed, a preview. */
 #ifndef OPMS_LIVE_FRAME_SOURCE_HPP
 #define OPMS_LIVE_FRAME_SOURCE_HPP
 

@@ -3,8 +3,8 @@
  * What happens in a scan, as values: the engine makes them, the recording keeps them, the console
  * and the terminal show them. Plain data; each is complete by itself.
  *
- * Times: `_host_ns` of the host's monotonic clock, `_box_ns` of the box, `_scan_ns` since the edge of
- * the hardware start, `_wall_ns` since 1970 UTC. */
+ * Times: `_host_ns` of the host's monotonic clock, `_box_ns` of the box, `_scan_ns` since the edge
+ * of the hardware start, `_wall_ns` since 1970 UTC. */
 #ifndef OPMS_LIVE_SCAN_RECORDS_HPP
 #define OPMS_LIVE_SCAN_RECORDS_HPP
 

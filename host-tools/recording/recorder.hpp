@@ -74,7 +74,8 @@ private:
 
 /** @p wanted (or "2026-11-22_14-03-07" of @p wall_ns, UTC, where empty), with "-2", "-3", ... where
  * such a scan is there already. A name may hold letters, digits, "-", "_", "." and spaces, does not
- * begin with a dot or end with a space or a dot, and is 1 to 100 long: else empty, with @p error. */
+ * begin with a dot or end with a space or a dot, and is 1 to 100 long; else empty, with
+ * @p error. */
 std::string scan_free_name(const std::string &folder, const std::string &wanted,
                            std::int64_t wall_ns, std::string &error);
 
