@@ -48,11 +48,6 @@ private:
     bool emulated_;
 };
 
-/** The place that --box names, as options of opms_box_open().
- * @param[out] error  Why it is none.
- * @return Whether it is one. */
-bool box_place_parse(const std::string &text, opms_box_options_t &options, std::string &error);
-
 /** 16 hex digits. */
 std::string box_id_text(const opms_identity_report_t &identity);
 

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /** @file
  * Size of a picture from its first bytes, so that nothing is unpacked that does not fit. */
-#ifndef OPMS_CLI_PICTURE_HEADER_HPP
-#define OPMS_CLI_PICTURE_HEADER_HPP
+#ifndef OPMS_PICTURES_PICTURE_HEADER_HPP
+#define OPMS_PICTURES_PICTURE_HEADER_HPP
 
 #include <cstddef>
 #include <cstdint>

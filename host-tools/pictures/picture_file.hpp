@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /** @file
  * Reads a picture file as the camera delivered it. */
-#ifndef OPMS_CLI_PICTURE_FILE_HPP
-#define OPMS_CLI_PICTURE_FILE_HPP
+#ifndef OPMS_PICTURES_PICTURE_FILE_HPP
+#define OPMS_PICTURES_PICTURE_FILE_HPP
 
 #include <cstdint>
 #include <string>
