@@ -20,6 +20,8 @@ struct ScanSummary {
     std::string folder, name;
     ScanHeader header;
     bool ended = false;      /**< closed in order; else cut off or still going on */
+    bool being_recorded = false; /**< somebody writes it now: its lock is held */
+    bool recovered = false;  /**< was cut off, and recover_scan() has mended it */
     ScanEnd end;
     std::uint64_t triggers = 0, frames = 0, pairs = 0, poses = 0, poses_with_time = 0;
     std::uint64_t pictures = 0, events = 0, sensor_samples = 0, bytes = 0;
