@@ -16,6 +16,7 @@
 
 #include <opms/clock.h>
 #include <opms/exposure.h>
+#include <opms/grid.h>
 #include <opms/locate.h>
 #include <opms/pair.h>
 #include <opms/wire.h>
@@ -81,7 +82,8 @@ struct PoseRecord {
     bool is_mid_exposure = false; /**< false: t_scan_ns lacks terms that are not known */
     std::int64_t t_scan_ns = 0;  /**< mid-exposure since the start edge; before it: negative */
     std::int64_t t_host_ns = 0;  /**< the same instant on the host's clock; 0: not known */
-    std::uint64_t hint_number = 0; /**< picture whose pose was the locator's hint; 0: none was */
+    bool has_hint = false;       /**< the locator was given a hint: a replay gives the same one */
+    opms_transform_t hint{};     /**< ... camera to bar; bit by bit */
     opms_location_t location{};
     std::vector<opms_square_t> squares;
     std::vector<opms_edge_t> edges;    /**< enough to solve again without the picture */
@@ -93,6 +95,13 @@ struct PoseRecord {
     std::int64_t arrival_host_ns = 0;
     std::int64_t located_host_ns = 0;  /**< when the pose was there */
     std::int64_t published_host_ns = 0; /**< when pose and pair were there */
+};
+
+/** The calibration grid in one picture (mode calibration), for a live display. */
+struct GridRecord {
+    std::uint64_t number = 0; /**< of the frame; 0: no scan is going on */
+    opms_grid_summary_t summary{};
+    std::vector<opms_node_t> nodes;
 };
 
 enum class Severity { info, warning, error };
