@@ -7,7 +7,7 @@
 #include <unity.h>
 
 #include "bar/bar_code.h"
-#include "bar/edge_lanes.h"
+#include "bar/edge_wide.h"
 #include "bar/labels.h"
 #include "bar/line_search.h"
 #include "bar/plane_map.h"
@@ -49,23 +49,23 @@ static double normal_part(double z)
     return 0.5 * erfc(-z / sqrt(2));
 }
 
-static void the_profile_of_four_pixels_is_the_normal_distribution(void)
+static void the_profile_of_eight_pixels_is_the_normal_distribution(void)
 {
-    for (int i = -4800; i <= 4800; i += LANES) {
-        lanes_t z = {0};
-        for (int k = 0; k < LANES; ++k) {
+    for (int i = -4800; i <= 4800; i += WIDE) {
+        wide_t z = {0};
+        for (int k = 0; k < WIDE; ++k) {
             z[k] = (float)(i + k) / 1000.f;
         }
-        const normal_lanes_t profile = normal_lanes(z);
-        for (int k = 0; k < LANES; ++k) {
+        const normal_wide_t profile = normal_wide(z);
+        for (int k = 0; k < WIDE; ++k) {
             TEST_ASSERT_DOUBLE_WITHIN(4e-6, normal_part((double)z[k]), profile.step[k]);
             TEST_ASSERT_DOUBLE_WITHIN(4e-6, normal_density((double)z[k]), profile.pulse[k]);
         }
     }
-    const lanes_t beyond = {-1e6f, -60.f, 60.f, 1e6f};
-    const normal_lanes_t profile = normal_lanes(beyond);
-    for (int k = 0; k < LANES; ++k) {
-        TEST_ASSERT_DOUBLE_WITHIN(1e-6, k < 2 ? 0 : 1, profile.step[k]);
+    const wide_t beyond = {-1e6f, -60.f, 60.f, 1e6f, -6.f, 6.f, -1e3f, 1e3f};
+    const normal_wide_t profile = normal_wide(beyond);
+    for (int k = 0; k < WIDE; ++k) {
+        TEST_ASSERT_DOUBLE_WITHIN(1e-6, beyond[k] < 0 ? 0 : 1, profile.step[k]);
         TEST_ASSERT_DOUBLE_WITHIN(1e-5, 0, profile.pulse[k]);
     }
 }
@@ -92,10 +92,10 @@ static void a_corner_off_the_right_angle_covers_its_share(void)
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
         for (double a = -2; a <= 2; a += 0.5) {
             for (double b = -2; b <= 2; b += 0.5) {
-                const lanes_t excess = corner_excess(
-                    lanes_of((float)cases[i].lean), lanes_of((float)a),
-                    lanes_of((float)normal_density(a)), lanes_of((float)b),
-                    lanes_of((float)normal_density(b)));
+                const wide_t excess = corner_excess(
+                    wide_of((float)cases[i].lean), wide_of((float)a),
+                    wide_of((float)normal_density(a)), wide_of((float)b),
+                    wide_of((float)normal_density(b)));
                 TEST_ASSERT_DOUBLE_WITHIN(cases[i].error, joint_part(a, b, cases[i].lean),
                                           normal_part(a) * normal_part(b) + (double)excess[1]);
             }
@@ -403,7 +403,7 @@ int main(void)
     RUN_TEST(a_search_crosses_whatever_is_as_wide_as_its_pitch);
     RUN_TEST(a_square_is_traced_to_its_corners);
     RUN_TEST(what_is_no_closed_quadrilateral_is_refused);
-    RUN_TEST(the_profile_of_four_pixels_is_the_normal_distribution);
+    RUN_TEST(the_profile_of_eight_pixels_is_the_normal_distribution);
     RUN_TEST(a_corner_off_the_right_angle_covers_its_share);
     RUN_TEST(a_row_is_labelled_in_both_directions);
     RUN_TEST(a_row_without_cells_gets_no_labels);

@@ -94,11 +94,11 @@ int clip_start(edge_scene_t *scene, int start)
     return 1;
 }
 
-void clip_row(const stretch_t *stretch, float row[CLIP_UNKNOWNS])
+void clip_row(const clip_info_t *clip, float row[CLIP_UNKNOWNS])
 {
     row[CLIP_SHIFT] = 1;
     for (int a = 0; a < CLIP_SHAPE; ++a) {
-        row[CLIP_FIRST + a] = -stretch->clip.by[a];
+        row[CLIP_FIRST + a] = -clip->by[a];
     }
 }
 
@@ -113,9 +113,9 @@ void clip_know(const edge_scene_t *scene, const bar_fit_t *fit, double *normal, 
         const double noise = (double)(fit->sigma[i] / s->sigma_unit);
         const double w = 1 / (noise * noise * DOUBT);
         for (int a = 0; a < CLIP_SHAPE; ++a) {
-            r[CLIP_FIRST + a] += w * (double)s->clip.slope[a];
+            r[CLIP_FIRST + a] += w * (double)fit->clip[i].slope[a];
             for (int b = 0; b <= a; ++b) {
-                m[CLIP_FIRST + a][CLIP_FIRST + b] += w * (double)s->clip.weight[a][b];
+                m[CLIP_FIRST + a][CLIP_FIRST + b] += w * (double)fit->clip[i].weight[a][b];
             }
         }
     }

@@ -17,7 +17,7 @@ int clip_start(edge_scene_t *scene, int start);
 
 /** Gradient of a measured offset by the unknowns; by the last three, of what is still to be
  * added to them. */
-void clip_row(const stretch_t *stretch, float row[CLIP_UNKNOWNS]);
+void clip_row(const clip_info_t *clip, float row[CLIP_UNKNOWNS]);
 
 /** Add to the lower triangle of n x n normal equations, whose last unknowns are those above, what
  * is known of these besides the offsets: the profiles' shape, and that the shift is small. */

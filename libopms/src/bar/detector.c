@@ -7,6 +7,7 @@
 #include <opms/lens.h>
 
 #include "bar/bar_search.h"
+#include "bar/stretch_fit.h"
 #include "base/fail.h"
 #include "base/memory.h"
 #include "image/image_check.h"
@@ -71,6 +72,7 @@ opms_status_t opms_bar_detector_create(const opms_lens_t *lens, const opms_bar_o
     }
     fresh->lens = *lens;
     fresh->options = chosen;
+    fresh->kernel = stretch_kernel(1);
     fresh->ray_limit = ray_limit_of(lens);
     *detector = fresh;
     return OPMS_OK;

@@ -21,6 +21,7 @@ struct opms_bar_detector {
     opms_lens_t lens;
     opms_bar_options_t options;
     double ray_limit;
+    const struct stretch_kernel *kernel;
     /* The picture at hand. */
     opms_lens_t local_lens; /* with the region's corner as the origin */
     view_t view;

@@ -4,12 +4,13 @@
 #include <math.h>
 
 #include "bar/bar_code.h"
-#include "bar/edge_blur.h"
+#include "bar/side_curve.h"
 #include "bar/stretch_fit.h"
 
-/* The pixels next to a side are taken in lines across it: rows of the picture where the side is
- * nearer to upright, columns otherwise. In each line the signed distance of a pixel from the
- * predicted edge is linear, so no pixel is ever interpolated. Several lines make a stretch, in
+/* A side is looked at along lines of pixels that cross it: rows, or columns if the side runs more
+ * across than down. Each line gives raw grey levels at known distances from the expected edge;
+ * those distances are exact up to the curvature, and the model in the distances is
+ * linear, so no pixel is ever interpolated. Several lines make a stretch, in
  * which black level, contrast and a small displacement are solved for by linear least squares. */
 
 #define LINES_A_STRETCH 5
@@ -19,98 +20,6 @@
 #define OUTSIDE_BLURS 3.2
 #define GROUND_BLURS 1.4
 #define CUT_NOISE_LEAST 0.002
-
-/** Where a side is expected in the picture: a parabola through three projected points. */
-typedef struct side_curve {
-    int along_axis;        /* 0: lines are columns (x steps along the side), 1: lines are rows */
-    double p0[2], p1[2], p2[2]; /* px(tau) = p0 + tau p1 + tau^2 p2, tau = -1..1 over 20 mm */
-    double normal[2];      /* outward, at the middle */
-    double cosine;         /* of the angle between the normal and the direction across the lines */
-    double sign;           /* of that direction, +1 when the coordinate grows outwards */
-    double px_per_mm;      /* across the side, outwards */
-    double half_px;        /* half the side's length */
-    double border_px;      /* distance of the bar's border beyond the sides along Y */
-    double along_mm[2];    /* gradient of the position along the side, mm per px of u and of v, */
-    double along_turn[2];  /* and its change by tau: the ends are seldom parallel in the picture */
-} side_curve_t;
-
-static const double side_outward[4][2] = {{-1, 0}, {0, -1}, {1, 0}, {0, 1}};
-
-static void side_point(int side, double tau, double square_y, double *x_mm, double *y_mm)
-{
-    const double *out = side_outward[side];
-    *x_mm = BAR_HALF_SQUARE_MM * (out[0] + (out[0] == 0 ? tau : 0));
-    *y_mm = square_y + BAR_HALF_SQUARE_MM * (out[1] + (out[1] == 0 ? tau : 0));
-}
-
-/** Row of the inverse of the map's derivative: X for the sides along X, Y for the others. */
-static void along_gradient(const double jac[4], int along_x, double gradient[2])
-{
-    const double det = jac[0] * jac[3] - jac[1] * jac[2];
-    gradient[0] = (along_x ? jac[3] : -jac[2]) / det;
-    gradient[1] = (along_x ? -jac[1] : jac[0]) / det;
-}
-
-static int side_predict(const edge_scene_t *scene, int square, int side, side_curve_t *curve)
-{
-    const double square_y = BAR_PITCH_MM * (square - OPMS_BAR_ORIGIN);
-    double end[3][2], jacs[3][4];
-    const double *jac = jacs[1];
-    for (int i = 0; i < 3; ++i) {
-        double x, y;
-        side_point(side, i - 1.0, square_y, &x, &y);
-        if (!plane_map_project(&scene->map, scene->lens, scene->ray_limit, x, y, end[i],
-                               jacs[i])) {
-            return 0;
-        }
-    }
-    for (int axis = 0; axis < 2; ++axis) {
-        curve->p0[axis] = end[1][axis];
-        curve->p1[axis] = 0.5 * (end[2][axis] - end[0][axis]);
-        curve->p2[axis] = 0.5 * (end[2][axis] + end[0][axis]) - end[1][axis];
-    }
-    curve->half_px = hypot(curve->p1[0], curve->p1[1]);
-    if (!(curve->half_px > 1.5 && curve->half_px < 4000)) {
-        return 0;
-    }
-    const double *out = side_outward[side];
-    const double out_px[2] = {jac[0] * out[0] + jac[1] * out[1], jac[2] * out[0] + jac[3] * out[1]};
-    double nx = -curve->p1[1] / curve->half_px, ny = curve->p1[0] / curve->half_px;
-    curve->px_per_mm = nx * out_px[0] + ny * out_px[1];
-    if (curve->px_per_mm < 0) {
-        nx = -nx;
-        ny = -ny;
-        curve->px_per_mm = -curve->px_per_mm;
-    }
-    double border[2];
-    if (!plane_map_project(&scene->map, scene->lens, scene->ray_limit, out[0] * BAR_HALF_WIDTH_MM,
-                           square_y, border, NULL)) {
-        return 0;
-    }
-    curve->border_px = nx * (border[0] - end[1][0]) + ny * (border[1] - end[1][1]);
-    curve->normal[0] = nx;
-    curve->normal[1] = ny;
-    curve->along_axis = fabs(curve->p1[0]) >= fabs(curve->p1[1]) ? 0 : 1;
-    const double across = curve->along_axis == 0 ? ny : nx;
-    curve->sign = across < 0 ? -1 : 1;
-    curve->cosine = fabs(across);
-    const int along_x = side == 1 || side == 3;
-    double ends[2][2];
-    along_gradient(jac, along_x, curve->along_mm);
-    along_gradient(jacs[0], along_x, ends[0]);
-    along_gradient(jacs[2], along_x, ends[1]);
-    for (int axis = 0; axis < 2; ++axis) {
-        curve->along_turn[axis] = 0.5 * (ends[1][axis] - ends[0][axis]);
-    }
-    return curve->px_per_mm > 0.05;
-}
-
-/** Cosine of the angle between the normals of the side and of its ends: 0 at right angles. */
-static double lean_of(const side_curve_t *curve)
-{
-    const double *n = curve->normal, *a = curve->along_mm;
-    return (n[0] * a[0] + n[1] * a[1]) / hypot(a[0], a[1]);
-}
 
 typedef struct side_window {
     double inside, outside; /* px from the edge */
@@ -129,45 +38,39 @@ static double blur_at(const edge_scene_t *scene, int family, double px_per_mm)
     return sqrt(still * still + (total * total - still * still) * ratio * ratio);
 }
 
+static double lesser(double a, double b)
+{
+    return a < b ? a : b;
+}
+
+static double larger(double a, double b)
+{
+    return a > b ? a : b;
+}
+
 static side_window_t window_of(const side_curve_t *curve, int side, double blur, double blur_along,
                                int clipped)
 {
     side_window_t window;
     const double wide = OUTSIDE_BLURS * blur + 0.5;
-    window.inside = fmin(INSIDE_BLURS * blur + 0.5, 13.0 * curve->px_per_mm);
+    window.inside = lesser(INSIDE_BLURS * blur + 0.5, 13.0 * curve->px_per_mm);
     window.ground = 0;
     if (side == 1 || side == 3) {
         /* Up to the middle of the cells, which are modelled. */
-        window.outside = fmin(wide, (BAR_CELL_GAP_MM + 4.0) * curve->px_per_mm);
+        window.outside = lesser(wide, (BAR_CELL_GAP_MM + 4.0) * curve->px_per_mm);
     } else {
         /* Beyond the bar's border lies the ground, of unknown brightness. It is modelled as far as
          * its edge goes, since farther out lie the bar's side, its shadow and grass. */
         const double border = curve->border_px;
         if (clipped) {
-            window.outside = fmin(wide, fmax(border - 2.2 * blur, 0.4 * border));
+            window.outside = lesser(wide, larger(border - 2.2 * blur, 0.4 * border));
         } else {
-            window.outside = fmin(wide, border + GROUND_BLURS * blur);
+            window.outside = lesser(wide, border + GROUND_BLURS * blur);
             window.ground = border < wide + 2.2 * blur ? border : 0;
         }
     }
-    window.trim = fmin(0.5, 0.5 * blur_along / curve->half_px);
+    window.trim = lesser(0.5, 0.5 * blur_along / curve->half_px);
     return window;
-}
-
-static void load_pixels(const view_t *view, int along_axis, int main, int first, int count,
-                        float *grey)
-{
-    if (along_axis == 1 && !view->wide) {
-        const uint8_t *row = view->base + (ptrdiff_t)main * view->stride + first;
-        for (int k = 0; k < count; ++k) {
-            grey[k] = (float)row[k];
-        }
-        return;
-    }
-    for (int k = 0; k < count; ++k) {
-        grey[k] = (float)(along_axis == 0 ? view_at(view, main, first + k)
-                                          : view_at(view, first + k, main));
-    }
 }
 
 /** What the model of saturated white needs besides. */
@@ -197,122 +100,204 @@ static void add_clipped(const edge_scene_t *scene, int side, const side_curve_t 
     }
 }
 
-static int fit_side(const edge_scene_t *scene, int square, int side, const grey_levels_t *levels,
-                    stretch_t *stretches)
-{
-    side_curve_t curve;
-    if (!side_predict(scene, square, side, &curve)) {
-        return 0;
-    }
-    const view_t *view = scene->view;
-    const int family = side == 1 || side == 3;
-    const double sigma = blur_at(scene, family, curve.px_per_mm);
-    const double along_px =
-        1 / hypot(curve.along_mm[0], curve.along_mm[1]); /* per mm, square to the ends */
-    const double sigma_along = blur_at(scene, !family, along_px);
-    const int clipped = scene->clip < 1;
-    const side_window_t window = window_of(&curve, side, sigma, sigma_along, clipped);
-    const float shift = (float)(scene->shift_px * scene->shift_gain[family]);
-    const double still = scene->still_px;
-    side_model_t model = {
-        .blur = edge_blur_of(sigma, still),
-        .per_sigma = (float)(1 / sigma),
-        .end_at =
-            (float)(BAR_HALF_SQUARE_MM + scene->shift_px * scene->shift_gain[!family] / along_px),
-        .along_scale = (float)(along_px / sigma_along),
-        .lean = (float)(still * still / (sigma * sigma_along) * lean_of(&curve)),
-        .cells = family ? bar_gap_cells(square, side == 3 ? 1 : -1) : 0,
-        .cell_near = (float)(BAR_CELL_GAP_MM * curve.px_per_mm) - 2.f * shift,
-        .cell_far = (float)((BAR_CELL_GAP_MM + BAR_CELL_Y_MM) * curve.px_per_mm),
-        .ground = (float)window.ground,
-        .clip = (float)scene->clip,
-        .white_level = (float)view->white_level};
-    if (scene->clip < 1) {
-        add_clipped(scene, side, &curve, sigma_along, along_px, &model);
-    }
-    const int m = curve.along_axis, c = 1 - m;
-    const int main_size = m == 0 ? view->width : view->height;
-    const int cross_size = c == 0 ? view->width : view->height;
-    const double reach = 1.0 - window.trim;
-    const double a = curve.p0[m] - reach * curve.p1[m] + reach * reach * curve.p2[m];
-    const double b = curve.p0[m] + reach * curve.p1[m] + reach * reach * curve.p2[m];
-    const int from = (int)fmax(ceil(fmin(a, b)), 0),
-              to = (int)fmin(floor(fmax(a, b)), main_size - 1);
-    const int line_step = to - from >= LINES_ENOUGH ? scene->line_step : 1;
-    const int line_count = (to - from) / line_step + 1;
-    if (line_count < 2) {
-        return 0;
-    }
-    int parts = (line_count + LINES_A_STRETCH / 2) / LINES_A_STRETCH;
-    parts = parts < 1 ? 1 : parts > OPMS_BAR_EDGES_PER_SIDE ? OPMS_BAR_EDGES_PER_SIDE : parts;
+/** One side of a square, as it is looked at. */
+typedef struct side_look {
+    const edge_scene_t *scene;
+    const side_curve_t *curve;
+    int side;
+    float shift;            /* outward, where the edge is expected beyond the curve */
+    side_window_t window;
+    side_model_t model;
+    /* Lines of pixels across the side: every `step`-th from `from` on. */
+    int from, count, step;
+    int across_size;        /* pixels of a whole line */
+    double per_length, bend; /* tau = t - bend t^2 with t = (line - p0) per_length */
+    double s_step;          /* px across the side by a pixel of a line */
+    double span, before;    /* length of the window, and of its part before the edge */
+    fit_lines_t lines;
+} side_look_t;
 
-    fit_line_t lines[STRETCH_LINES_MAX];
+static void model_of(const edge_scene_t *scene, int square, side_look_t *look)
+{
+    const side_curve_t *curve = look->curve;
+    const int family = look->side & 1, clipped = scene->clip < 1;
+    const double *a = curve->along_mm;
+    const double along_px = 1 / sqrt(a[0] * a[0] + a[1] * a[1]); /* per mm, square to the ends */
+    const double sigma = blur_at(scene, family, curve->px_per_mm);
+    const double sigma_along = blur_at(scene, !family, along_px), still = scene->still_px;
+    look->shift = (float)(scene->shift_px * scene->shift_gain[family]);
+    look->window = window_of(curve, look->side, sigma, sigma_along, clipped);
+    side_model_t *model = &look->model;
+    model->blur = edge_blur_of(sigma, still);
+    model->sigma = (float)sigma;
+    model->per_sigma = (float)(1 / sigma);
+    model->end_at =
+        (float)(BAR_HALF_SQUARE_MM + scene->shift_px * scene->shift_gain[!family] / along_px);
+    model->along_scale = (float)(along_px / sigma_along);
+    model->lean = (float)(still * still / (sigma * sigma_along) * side_curve_lean(curve));
+    model->cells = family ? bar_gap_cells(square, look->side == 3 ? 1 : -1) : 0;
+    model->cell_near = (float)(BAR_CELL_GAP_MM * curve->px_per_mm) - 2.f * look->shift;
+    model->cell_far = (float)((BAR_CELL_GAP_MM + BAR_CELL_Y_MM) * curve->px_per_mm);
+    model->ground = (float)look->window.ground;
+    model->clip = (float)scene->clip;
+    model->white_level = (float)scene->view->white_level;
+    if (clipped) {
+        add_clipped(scene, look->side, curve, sigma_along, along_px, model);
+    }
+}
+
+/** Which lines of pixels cross the side; 0 if too few. */
+static int lines_of(const edge_scene_t *scene, side_look_t *look)
+{
+    const side_curve_t *curve = look->curve;
+    const view_t *view = scene->view;
+    const int m = curve->along_axis, main_size = m == 0 ? view->width : view->height;
+    const double *p0 = curve->p0, *p1 = curve->p1, *p2 = curve->p2;
+    const double reach = 1.0 - look->window.trim;
+    const double a = p0[m] - reach * p1[m] + reach * reach * p2[m];
+    const double b = p0[m] + reach * p1[m] + reach * reach * p2[m];
+    const double low = larger(lesser(a, b), 0), high = lesser(larger(a, b), main_size - 1);
+    if (!(high >= low)) {
+        return 0;
+    }
+    const int from = (int)low + (low > (int)low), to = (int)high;
+    look->from = from;
+    look->step = to - from >= LINES_ENOUGH ? scene->line_step : 1;
+    look->count = (to - from) / look->step + 1;
+    look->across_size = m == 0 ? view->height : view->width;
+    look->per_length = 1 / p1[m];
+    look->bend = p2[m] * look->per_length;
+    look->s_step = curve->sign * curve->cosine;
+    /* Whichever way a line runs, from the inside to the outside or back. */
+    const double per_cosine = 1 / curve->cosine, shift = (double)look->shift;
+    look->span = (look->window.inside + look->window.outside) * per_cosine;
+    look->before = curve->sign > 0 ? (look->window.inside - shift) * per_cosine
+                                   : (look->window.outside + shift) * per_cosine;
+    look->lines.wide = view->wide;
+    look->lines.pixel_bytes = m == 0 ? view->stride : (view->wide ? 2 : 1);
+    return look->count >= 2;
+}
+
+/** One line of pixels; 0 where its window leaves the picture. */
+static int line_at(const side_look_t *look, int main, double tau, fit_line_t *line)
+{
+    const side_curve_t *curve = look->curve;
+    const view_t *view = look->scene->view;
+    const int m = curve->along_axis, c = 1 - m;
+    const double edge = curve->p0[c] + tau * (curve->p1[c] + tau * curve->p2[c]);
+    const double start = edge - look->before;
+    if (!(start > 0 && start < look->across_size)) {
+        return 0;
+    }
+    const int first = (int)start + (start > (int)start), last = (int)(start + look->span);
+    if (first < 1 || last > look->across_size - 2 || last < first ||
+        last - first >= LINE_PIXELS_MAX) {
+        return 0;
+    }
+    const double from_edge = first - edge;
+    const double along_mm = curve->along_mm[c] + tau * curve->along_turn[c];
+    const ptrdiff_t pixel = view->wide ? 2 : 1;
+    line->first = m == 1 ? view->base + main * view->stride + first * pixel
+                         : view->base + first * view->stride + main * pixel;
+    line->count = last - first + 1;
+    line->in_row = m == 1 && !view->wide &&
+                   first + (line->count + FIT_LINE_SPARE) <= look->across_size;
+    line->s_step = (float)look->s_step;
+    line->s_first = (float)(look->s_step * from_edge) - look->shift;
+    line->along_step = (float)along_mm;
+    line->along_first = (float)(BAR_HALF_SQUARE_MM * tau + along_mm * from_edge);
+    return 1;
+}
+
+/** Gather the lines from number `from` to the one before `to`; returns the mean of their tau. */
+static double gather_lines(side_look_t *look, int from, int to)
+{
+    const double p0 = look->curve->p0[look->curve->along_axis];
+    fit_lines_t *lines = &look->lines;
+    double sum = 0;
+    lines->count = 0;
+    for (int k = from; k < to && lines->count < STRETCH_LINES_MAX; ++k) {
+        const int main = look->from + k * look->step;
+        const double t = (main - p0) * look->per_length;
+        const double tau = t - look->bend * t * t;
+        if (line_at(look, main, tau, &lines->line[lines->count])) {
+            sum += tau;
+            ++lines->count;
+        }
+    }
+    return lines->count > 0 ? sum / lines->count : 0;
+}
+
+/** Where the stretch lies, around `tau`. */
+static void place_stretch(const side_curve_t *curve, int square, int side, double tau,
+                          stretch_t *out)
+{
+    out->square = (int16_t)square;
+    out->side = (int16_t)side;
+    out->along_mm = (float)(BAR_HALF_SQUARE_MM * tau);
+    for (int axis = 0; axis < 2; ++axis) {
+        out->predicted[axis] =
+            (float)(curve->p0[axis] + tau * (curve->p1[axis] + tau * curve->p2[axis]));
+        out->normal[axis] = (float)curve->normal[axis];
+    }
+    out->px_per_mm = (float)curve->px_per_mm;
+}
+
+static int fit_stretch(side_look_t *look, const grey_levels_t *levels, stretch_t *out,
+                       fit_sums_t *sums, clip_info_t *clip)
+{
+    const edge_scene_t *scene = look->scene;
+    out->expected_px = look->shift;
+    if (scene->clip < 1) {
+        return scene->kernel->fit_clipped(&look->model, &look->lines, out, clip);
+    }
+    scene->kernel->sum(&look->model, &look->lines, out, sums);
+    return stretch_solve(levels, sums, out);
+}
+
+static int fit_side(side_look_t *look, int square, const grey_levels_t *levels,
+                    const stretch_place_t *out)
+{
+    model_of(look->scene, square, look);
+    if (!lines_of(look->scene, look)) {
+        return 0;
+    }
+    int parts = (look->count + LINES_A_STRETCH / 2) / LINES_A_STRETCH;
+    parts = parts < 1 ? 1 : parts > OPMS_BAR_EDGES_PER_SIDE ? OPMS_BAR_EDGES_PER_SIDE : parts;
     int found = 0;
     for (int part = 0; part < parts; ++part) {
-        const int part_from = line_count * part / parts, part_to = line_count * (part + 1) / parts;
-        double along = 0;
-        int used = 0;
-        for (int k = part_from; k < part_to && used < STRETCH_LINES_MAX; ++k) {
-            const int main = from + k * line_step;
-            double tau = (main - curve.p0[m]) / curve.p1[m];
-            tau = (main - curve.p0[m] - curve.p2[m] * tau * tau) / curve.p1[m];
-            const double edge = curve.p0[c] + tau * (curve.p1[c] + tau * curve.p2[c]);
-            /* Grey line from the inside of the window to its outside, whichever way that runs. */
-            const double span = (window.inside + window.outside) / curve.cosine;
-            const double start = curve.sign > 0
-                ? edge - (window.inside - (double)shift) / curve.cosine
-                : edge - (window.outside + (double)shift) / curve.cosine;
-            const int first = (int)ceil(start), last = (int)floor(start + span);
-            if (first < 1 || last > cross_size - 2 || last - first >= LINE_PIXELS_MAX) {
-                continue;
-            }
-            fit_line_t *line = &lines[used];
-            line->count = last - first + 1;
-            line->s_step = (float)(curve.sign * curve.cosine);
-            line->s_first = (float)(curve.sign * curve.cosine * (first - edge)) - shift;
-            const double along_mm = curve.along_mm[c] + tau * curve.along_turn[c];
-            line->along_step = (float)along_mm;
-            line->along_first = (float)(BAR_HALF_SQUARE_MM * tau + along_mm * (first - edge));
-            load_pixels(view, curve.along_axis, main, first, line->count, line->grey);
-            along += tau;
-            ++used;
+        const int from = look->count * part / parts, to = look->count * (part + 1) / parts;
+        const double tau = gather_lines(look, from, to);
+        stretch_t *stretch = &out->stretch[found];
+        if (look->lines.count > 0 &&
+            fit_stretch(look, levels, stretch, &out->sums[found], &out->clip[found])) {
+            place_stretch(look->curve, square, look->side, tau, stretch);
+            ++found;
         }
-        stretch_t *out = &stretches[found];
-        if (used == 0) {
-            continue;
-        }
-        out->expected_px = shift;
-        if (scene->clip < 1) {
-            if (!stretch_fit_clipped(&model, lines, used, out)) {
-                continue;
-            }
-        } else {
-            stretch_sum(&model, lines, used, out);
-            if (!stretch_solve(levels, out)) {
-                continue;
-            }
-        }
-        const double tau = along / used;
-        out->square = (int16_t)square;
-        out->side = (int16_t)side;
-        out->along_mm = (float)(BAR_HALF_SQUARE_MM * tau);
-        for (int axis = 0; axis < 2; ++axis) {
-            out->predicted[axis] =
-                (float)(curve.p0[axis] + tau * (curve.p1[axis] + tau * curve.p2[axis]));
-            out->normal[axis] = (float)curve.normal[axis];
-        }
-        out->px_per_mm = (float)curve.px_per_mm;
-        ++found;
     }
     return found;
 }
 
 int edge_fit_square(const edge_scene_t *scene, int square, const grey_levels_t *levels,
-                    stretch_t *stretches)
+                    const stretch_place_t *out)
 {
+    side_curve_t curve[4];
+    side_curves(&scene->map, scene->lens, scene->ray_limit, square, curve);
+    side_look_t look;
+    look.scene = scene;
+    stretch_place_t place = *out;
     int count = 0;
     for (int side = 0; side < 4; ++side) {
-        count += fit_side(scene, square, side, levels, stretches + count);
+        if (!curve[side].seen) {
+            continue;
+        }
+        look.curve = &curve[side];
+        look.side = side;
+        const int found = fit_side(&look, square, levels, &place);
+        place.stretch += found;
+        place.sums += found;
+        place.clip += found;
+        count += found;
     }
     return count;
 }

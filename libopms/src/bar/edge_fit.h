@@ -26,6 +26,7 @@ typedef struct edge_scene {
     int still;         /**< the picture is known not to have moved: one blur for all sides */
     double clip;       /**< part of the true contrast at which white saturates, 1 if it does not */
     double cut_noise;  /**< of grey levels, over the contrast that saturation leaves */
+    const struct stretch_kernel *kernel;
     int line_step;     /**< every so many lines of pixels across a side are looked at */
 } edge_scene_t;
 
@@ -42,15 +43,39 @@ typedef struct grey_levels {
     float grey[2], weight[2];
 } grey_levels_t;
 
-/** Regressors of a stretch's least squares: white coverage, ground, slope of the coverage along the
- * normal, derivative of the coverage by the blur, slope of the code cells' part of it. */
-enum { W, K, G, H, C, REGRESSORS };
+/** Sums over the pixels of a stretch: of the grey level i, of the regressors, and of products.
+ * Regressors are the white coverage w, its slope g along the normal, its derivative h by the blur,
+ * the ground k, and the slope c of the code cells' part of the coverage. */
+enum {
+    SUM_I,
+    SUM_II,
+    SUM_W,
+    SUM_WI,
+    SUM_WW,
+    SUM_G,
+    SUM_GI,
+    SUM_GW,
+    SUM_GG,
+    SUM_H,
+    SUM_HI,
+    SUM_HW,
+    SUM_HG,
+    SUM_HH,
+    SUM_C, /**< these where there are cells */
+    SUM_CW,
+    SUM_CG,
+    SUM_K, /**< and these where there is ground */
+    SUM_KI,
+    SUM_KW,
+    SUM_KG,
+    SUM_KH,
+    SUM_KK,
+    SUMS = 24 /* a multiple of four */
+};
 
 typedef struct fit_sums {
-    float n, i, ii;
-    float x[REGRESSORS];                  /* sums of the regressors */
-    float xi[REGRESSORS];                 /* and of their products with the grey level */
-    float xx[REGRESSORS][REGRESSORS];     /* and with one another, lower triangle */
+    float of[SUMS];
+    float n;
 } fit_sums_t;
 
 /** What a stretch tells of the shape that saturated profiles share: logarithm of the clip, and the
@@ -68,8 +93,7 @@ typedef struct stretch {
     int16_t square, side;
     uint16_t pixels;
     uint16_t saturated;   /**< pixels at the white level */
-    uint8_t clipped, ground; /**< the model has saturated white, or the ground, in it */
-    fit_sums_t sums;
+    uint8_t clipped, ground, cells; /**< the model has saturated white, the ground, cells in it */
     float expected_px;    /**< offset at which the sums were taken */
     float along_mm;       /**< position of its middle along the side */
     float normal[2];      /**< outward, unit */
@@ -83,8 +107,14 @@ typedef struct stretch {
     float px_per_mm;      /**< across the side */
     float variance;       /**< of the grey levels about the model */
     float blur_slope, blur_weight; /**< information on the blur: Newton step = slope / weight */
-    clip_info_t clip;     /**< where the scene has saturated white in its model */
 } stretch_t;
+
+/** Where stretches are written to, one array for each of what is used at different times. */
+typedef struct stretch_place {
+    stretch_t *stretch;
+    fit_sums_t *sums;  /**< of those that are not `clipped` */
+    clip_info_t *clip; /**< of those that are */
+} stretch_place_t;
 
 /** Measure the visible stretches of one square's four sides.
  *
@@ -93,13 +123,13 @@ typedef struct stretch {
  * black, contrast and position are free for each stretch. Raw pixels, no resampling.
  *
  * @param levels     Black and white where they are known.
- * @param stretches  Room for 4 OPMS_BAR_EDGES_PER_SIDE.
+ * @param[out] out  Its arrays have room for 4 OPMS_BAR_EDGES_PER_SIDE more.
  * @return The number of stretches that could be fitted. */
 int edge_fit_square(const edge_scene_t *scene, int square, const grey_levels_t *levels,
-                    stretch_t *stretches);
+                    const stretch_place_t *out);
 
 /** Solve a measured stretch once more, with other grey levels; 0 where it has no edge to be placed.
  */
-int stretch_solve(const grey_levels_t *levels, stretch_t *stretch);
+int stretch_solve(const grey_levels_t *levels, const fit_sums_t *sums, stretch_t *stretch);
 
 #endif

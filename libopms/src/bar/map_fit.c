@@ -33,7 +33,7 @@ static void linearise(const edge_scene_t *scene, bar_fit_t *fit)
         }
         fit->row[i][MAP_UNKNOWNS] = (float)scene->shift_gain[s->side & 1];
         if (scene->clip < 1) {
-            clip_row(s, &fit->row[i][MAP_UNKNOWNS]);
+            clip_row(&fit->clip[i], &fit->row[i][MAP_UNKNOWNS]);
         }
     }
 }

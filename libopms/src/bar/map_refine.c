@@ -58,7 +58,9 @@ static void measure(const edge_scene_t *scene, const int *index, int count, bar_
 {
     fit->count = 0;
     for (int i = 0; i < count; ++i) {
-        fit->count += edge_fit_square(scene, index[i], &fit->levels, &fit->stretch[fit->count]);
+        const int n = fit->count;
+        const stretch_place_t next = {&fit->stretch[n], &fit->sums[n], &fit->clip[n]};
+        fit->count += edge_fit_square(scene, index[i], &fit->levels, &next);
     }
 }
 
@@ -157,10 +159,10 @@ static int clamp_index(int k)
 
 /** Variance of a stretch's own black or white level, for noise 1; somewhat too small, since its
  * place and the ground are taken as known. */
-static float level_variance(const stretch_t *s, int white)
+static float level_variance(const fit_sums_t *sums, int white)
 {
-    const float n = s->sums.n, mean = s->sums.x[W] / n;
-    const float spread = s->sums.xx[W][W] - mean * s->sums.x[W];
+    const float n = sums->n, mean = sums->of[SUM_W] / n;
+    const float spread = sums->of[SUM_WW] - mean * sums->of[SUM_W];
     const float from = white ? 1.f - mean : mean;
     return 1.f / n + from * from / fmaxf(spread, 1.f);
 }
@@ -177,7 +179,7 @@ static void learn_levels(bar_fit_t *fit)
             const stretch_t *s = &fit->stretch[i];
             if (fit->good[i]) {
                 fit->residual[n++] = s->black + (white ? s->contrast : 0.f);
-                own += level_variance(s, white);
+                own += level_variance(&fit->sums[i], white);
             }
         }
         if (n < GOOD_LEAST) {
@@ -197,7 +199,7 @@ static void learn_levels(bar_fit_t *fit)
     }
     fit->levels = levels;
     for (int i = 0; i < fit->count; ++i) {
-        if (!stretch_solve(&fit->levels, &fit->stretch[i])) {
+        if (!stretch_solve(&fit->levels, &fit->sums[i], &fit->stretch[i])) {
             fit->stretch[i].contrast = 0; /* no edge: the selection leaves it out */
         }
     }

@@ -22,6 +22,8 @@ typedef struct bar_fit {
     int count;
     grey_levels_t levels;
     stretch_t stretch[OPMS_BAR_EDGES_MAX];
+    fit_sums_t sums[OPMS_BAR_EDGES_MAX];
+    clip_info_t clip[OPMS_BAR_EDGES_MAX];
     float residual[OPMS_BAR_EDGES_MAX]; /**< offset from the fitted map, px */
     float sigma[OPMS_BAR_EDGES_MAX];    /**< px */
     uint8_t good[OPMS_BAR_EDGES_MAX];

@@ -59,8 +59,9 @@ int plane_map_project(const plane_map_t *map, const opms_lens_t *lens, double ra
     if (!(w > 0.02)) {
         return 0;
     }
-    const double x = (h[0] * a + h[1] * b + h[2]) / w;
-    const double y = (h[3] * a + h[4] * b + h[5]) / w;
+    const double per_w = 1 / w;
+    const double x = (h[0] * a + h[1] * b + h[2]) * per_w;
+    const double y = (h[3] * a + h[4] * b + h[5]) * per_w;
     if (!(x * x + y * y < ray_limit * ray_limit)) {
         return 0;
     }
@@ -69,10 +70,9 @@ int plane_map_project(const plane_map_t *map, const opms_lens_t *lens, double ra
     }
     double bend[4];
     lens_project_ray_jac(lens, x, y, &px[0], &px[1], bend);
-    const double x_a = (h[0] - x * h[6]) / (w * X_UNIT_MM),
-                 y_a = (h[3] - y * h[6]) / (w * X_UNIT_MM);
-    const double x_b = (h[1] - x * h[7]) / (w * map->scale_mm);
-    const double y_b = (h[4] - y * h[7]) / (w * map->scale_mm);
+    const double by_x = per_w * (1 / X_UNIT_MM), by_y = per_w / map->scale_mm;
+    const double x_a = (h[0] - x * h[6]) * by_x, y_a = (h[3] - y * h[6]) * by_x;
+    const double x_b = (h[1] - x * h[7]) * by_y, y_b = (h[4] - y * h[7]) * by_y;
     jac[0] = bend[0] * x_a + bend[1] * y_a;
     jac[1] = bend[0] * x_b + bend[1] * y_b;
     jac[2] = bend[2] * x_a + bend[3] * y_a;

@@ -3,9 +3,8 @@
 
 #include <math.h>
 
+#include "algebra/wide_lanes.h"
 #include "bar/bar_code.h"
-#include "bar/edge_lanes.h"
-#include "bar/line_pixels.h"
 
 /* grey = black + contrast w(s - offset), to first order in the offset, with w the white coverage
  * and g = dw/ds: linear in black, contrast and contrast times offset. Next to the bar's border the
@@ -17,86 +16,19 @@
 
 #define PIXELS_LEAST 10
 
-#define REACH STRETCH_REACH
-
-/** The pixels of a stretch, and the regressors of its fit. */
-typedef struct fit_pixels {
-    line_pixels_t of;
-    float x[REGRESSORS][PIXELS_MAX];
-} fit_pixels_t;
-
-/** Sum up the columns; column K only where there is ground, C where there are cells. */
-static void sum_pixels(const fit_pixels_t *pixels, int ground, int cells, fit_sums_t *sums)
+const stretch_kernel_t *stretch_kernel(int wide)
 {
-    lanes_t i = {0}, ii = {0}, x[REGRESSORS] = {{0}}, xi[REGRESSORS] = {{0}},
-            xx[REGRESSORS][REGRESSORS] = {{{0}}};
-    for (int k = 0; k < pixels->of.count; k += LANES) {
-        const lanes_t grey = lanes_load(&pixels->of.grey[k]);
-        const lanes_t w = lanes_load(&pixels->x[W][k]), g = lanes_load(&pixels->x[G][k]);
-        const lanes_t h = lanes_load(&pixels->x[H][k]);
-        i += grey;
-        ii += grey * grey;
-        x[W] += w;
-        x[G] += g;
-        x[H] += h;
-        xi[W] += w * grey;
-        xi[G] += g * grey;
-        xi[H] += h * grey;
-        xx[W][W] += w * w;
-        xx[G][W] += g * w;
-        xx[G][G] += g * g;
-        xx[H][W] += h * w;
-        xx[H][G] += h * g;
-        xx[H][H] += h * h;
-        if (ground) {
-            const lanes_t step = lanes_load(&pixels->x[K][k]);
-            x[K] += step;
-            xi[K] += step * grey;
-            xx[K][W] += step * w;
-            xx[K][K] += step * step;
-            xx[G][K] += g * step;
-            xx[H][K] += h * step;
-        }
-        if (cells) {
-            const lanes_t c = lanes_load(&pixels->x[C][k]);
-            x[C] += c;
-            xx[C][W] += c * w;
-            xx[C][G] += c * g;
-        }
-    }
-    sums->n = (float)pixels->of.count;
-    sums->i = lanes_sum(i);
-    sums->ii = lanes_sum(ii);
-    for (int a = 0; a < REGRESSORS; ++a) {
-        sums->x[a] = lanes_sum(x[a]);
-        sums->xi[a] = lanes_sum(xi[a]);
-        for (int b = 0; b <= a; ++b) {
-            sums->xx[a][b] = lanes_sum(xx[a][b]);
-        }
-    }
+    static const stretch_kernel_t plain = {stretch_sum_plain, stretch_clip_plain};
+    static const stretch_kernel_t avx2 = {stretch_sum_avx2, stretch_clip_avx2};
+    return wide && wide_has_avx2() ? &avx2 : &plain;
 }
 
-/** What the whole picture says of black and white, as if seen by so many pixels of this stretch. */
-static void add_levels(fit_sums_t *sums, const grey_levels_t *levels)
+void stretch_cell_ends(const side_model_t *model, float low, float high, cell_ends_t *ends)
 {
-    for (int white = 0; white < 2; ++white) {
-        const float weight = levels->weight[white], i = levels->grey[white];
-        sums->n += weight;
-        sums->i += weight * i;
-        sums->ii += weight * i * i;
-        if (white) {
-            sums->x[W] += weight;
-            sums->xi[W] += weight * i;
-            sums->xx[W][W] += weight;
-        }
-    }
-}
-
-cell_ends_t stretch_cell_ends(const side_model_t *model, float low, float high)
-{
-    cell_ends_t ends = {.count = 0};
-    const float reach = REACH / model->along_scale;
+    const float reach = STRETCH_REACH / model->along_scale;
     unsigned before = 0;
+    ends->base = 0.f;
+    ends->count = 0;
     for (int i = 0; i <= BAR_CELLS; ++i) {
         const unsigned black = i < BAR_CELLS ? model->cells >> i & 1u : 0;
         const float at = (float)BAR_CELL_X_MM * (float)(i - 3), sign = (float)black - (float)before;
@@ -104,210 +36,147 @@ cell_ends_t stretch_cell_ends(const side_model_t *model, float low, float high)
             continue;
         }
         if (at < low - reach) {
-            ends.base += sign;
+            ends->base += sign;
         } else {
-            ends.at_mm[ends.count] = at;
-            ends.sign[ends.count++] = sign;
+            ends->at_mm[ends->count] = at;
+            ends->sign[ends->count++] = sign;
         }
         before = black;
     }
-    return ends;
 }
 
-/** How much of the code cells is black at positions along the side, under the blur; `ends` gets
- * what the lean adds to that. */
-static inline lanes_t cells_at(const side_model_t *model, const cell_ends_t *near, lanes_t along,
-                               lanes_t *ends)
+/** Second moments about the means, of the regressors and of the grey level. */
+typedef struct fit_moments {
+    double n, ii, iw, ww, ig, gw, gg, ih, hw, hg, hh, ik, kw, kg, kh, kk, cw, cg;
+} fit_moments_t;
+
+/** Of a stretch, with what the whole picture says of black and white as if seen by so many pixels
+ * of it. */
+static void moments_of(const grey_levels_t *levels, const stretch_t *stretch,
+                       const fit_sums_t *sums, fit_moments_t *m)
 {
-    lanes_t sum = lanes_of(near->base);
-    *ends = lanes_of(0.f);
-    for (int i = 0; i < near->count; ++i) {
-        const normal_lanes_t end = normal_lanes((along - near->at_mm[i]) * model->along_scale);
-        sum += near->sign[i] * end.step;
-        *ends += near->sign[i] * end.pulse;
+    const float *of = sums->of;
+    const double black = (double)levels->weight[0], white = (double)levels->weight[1];
+    const double b = (double)levels->grey[0], l = (double)levels->grey[1];
+    m->n = (double)sums->n + black + white;
+    const double part = 1 / m->n;
+    const double i = (double)of[SUM_I] + black * b + white * l, w = (double)of[SUM_W] + white;
+    const double g = (double)of[SUM_G], h = (double)of[SUM_H];
+    const double i_mean = i * part, w_mean = w * part, g_mean = g * part, h_mean = h * part;
+    m->ii = (double)of[SUM_II] + black * b * b + white * l * l - i * i_mean;
+    m->iw = (double)of[SUM_WI] + white * l - w * i_mean;
+    m->ww = (double)of[SUM_WW] + white - w * w_mean;
+    m->ig = (double)of[SUM_GI] - g * i_mean;
+    m->gw = (double)of[SUM_GW] - g * w_mean;
+    m->gg = (double)of[SUM_GG] - g * g_mean;
+    m->ih = (double)of[SUM_HI] - h * i_mean;
+    m->hw = (double)of[SUM_HW] - h * w_mean;
+    m->hg = (double)of[SUM_HG] - h * g_mean;
+    m->hh = (double)of[SUM_HH] - h * h_mean;
+    m->cw = m->cg = m->kw = m->kk = 0;
+    if (stretch->cells) {
+        m->cw = (double)of[SUM_CW] - (double)of[SUM_C] * w_mean;
+        m->cg = (double)of[SUM_CG] - (double)of[SUM_C] * g_mean;
     }
-    return sum;
+    if (stretch->ground) {
+        const double k = (double)of[SUM_K];
+        m->ik = (double)of[SUM_KI] - k * i_mean;
+        m->kw = (double)of[SUM_KW] - k * w_mean;
+        m->kg = (double)of[SUM_KG] - k * g_mean;
+        m->kh = (double)of[SUM_KH] - k * h_mean;
+        m->kk = (double)of[SUM_KK] - k * k * part;
+    }
 }
 
-/** What the model has within reach of a stretch. */
-typedef struct stretch_parts {
-    int end, cells, cells_far, ground;
-    cell_ends_t cell_ends;
-} stretch_parts_t;
-
-static stretch_parts_t parts_of(const side_model_t *model, const fit_pixels_t *pixels)
+/** Take the white coverage out of all else; returns 1 / what it has of its own. */
+static double sweep_white(int ground, fit_moments_t *m)
 {
-    const float low = pixels->of.along_low, high = pixels->of.along_high;
-    stretch_parts_t parts = {.end = 0};
-    parts.end = (model->end_at - (high > -low ? high : -low)) * model->along_scale < REACH;
-    if (model->cells && (pixels->of.s_high - model->cell_near) * model->per_sigma > -REACH) {
-        parts.cell_ends = stretch_cell_ends(model, low, high);
-        parts.cells = parts.cell_ends.count > 0 || parts.cell_ends.base > 0.f;
-        parts.cells_far = (pixels->of.s_high - model->cell_far) * model->per_sigma > -REACH;
+    const double per_ww = 1 / m->ww;
+    const double i = m->iw * per_ww, g = m->gw * per_ww, h = m->hw * per_ww;
+    m->ii -= i * m->iw;
+    m->ig -= i * m->gw;
+    m->ih -= i * m->hw;
+    m->cg -= m->cw * g;
+    m->gg -= g * m->gw;
+    m->hg -= g * m->hw;
+    m->hh -= h * m->hw;
+    if (ground) {
+        const double k = m->kw * per_ww;
+        m->ik -= i * m->kw;
+        m->kg -= g * m->kw;
+        m->kh -= h * m->kw;
+        m->kk -= k * m->kw;
     }
-    return parts;
+    return per_ww;
 }
 
-/** White coverage of pixels, its slope along the side's normal, and that of the code cells' borders
- * alone. */
-typedef struct coverage {
-    lanes_t white, slope, cells_slope;
-} coverage_t;
-
-static inline coverage_t coverage(const side_model_t *model, const stretch_parts_t *parts,
-                                  lanes_t s, lanes_t along)
+/** Take the ground out of what follows it. */
+static double sweep_ground(fit_moments_t *m)
 {
-    const normal_lanes_t edge = edge_lanes_blurred(&model->blur, s);
-    const float sigma = 1.f / model->per_sigma;
-    coverage_t of = {edge.step, edge.pulse, lanes_of(0.f)};
-    if (parts->end) {
-        const lanes_t to_end = (model->end_at - lanes_abs(along)) * model->along_scale;
-        const normal_lanes_t there = normal_lanes(to_end);
-        const lanes_t lean =
-            lanes_pick(along < 0.f, lanes_of(-model->lean), lanes_of(model->lean));
-        const lanes_t z = s * model->per_sigma;
-        of.white = 1.f - (1.f - edge.step) * there.step -
-                   corner_excess(lean, -z, edge.pulse * sigma, to_end, there.pulse);
-        of.slope *= there.step + lean * z * there.pulse;
-    }
-    if (parts->cells) {
-        normal_lanes_t across = edge_lanes_blurred(&model->blur, s - model->cell_near);
-        if (parts->cells_far) {
-            const normal_lanes_t far = edge_lanes_blurred(&model->blur, s - model->cell_far);
-            across.step -= far.step;
-            across.pulse -= far.pulse;
-        }
-        lanes_t ends;
-        const lanes_t cells = cells_at(model, &parts->cell_ends, along, &ends);
-        of.white -= cells * across.step;
-        of.white -= ends * across.pulse * (model->lean * sigma);
-        of.cells_slope = cells * across.pulse;
-    }
-    return of;
+    const double per_kk = 1 / m->kk;
+    const double i = m->ik * per_kk, g = m->kg * per_kk, h = m->kh * per_kk;
+    m->ii -= i * m->ik;
+    m->ig -= i * m->kg;
+    m->ih -= i * m->kh;
+    m->gg -= g * m->kg;
+    m->hg -= g * m->kh;
+    m->hh -= h * m->kh;
+    return per_kk;
 }
 
-/** The regressors of all pixels. */
-static void model_pixels(const side_model_t *model, const stretch_parts_t *parts,
-                         fit_pixels_t *pixels)
-{
-    for (int k = 0; k < pixels->of.count; k += LANES) {
-        const lanes_t s = lanes_load(&pixels->of.s[k]), along = lanes_load(&pixels->of.along[k]);
-        const coverage_t of = coverage(model, parts, s, along);
-        lanes_store(&pixels->x[W][k], of.white);
-        lanes_store(&pixels->x[G][k], of.slope);
-        lanes_store(&pixels->x[H][k], s * of.slope * -model->per_sigma);
-        if (parts->cells) {
-            lanes_store(&pixels->x[C][k], of.cells_slope);
-        }
-        if (parts->ground) {
-            lanes_store(&pixels->x[K][k],
-                        edge_lanes_blurred(&model->blur, s - model->ground).step);
-        }
-    }
-    for (int k = pixels->of.count; k % LANES != 0; ++k) { /* what fills up counts for nothing */
-        for (int a = 0; a < REGRESSORS; ++a) {
-            pixels->x[a][k] = 0.f;
-        }
-    }
-}
-
-/** Take regressor `p` out of the others and of the grey levels. */
-static void sweep(double xx[REGRESSORS][REGRESSORS], double xi[REGRESSORS], int p)
-{
-    for (int a = p + 1; a < REGRESSORS; ++a) {
-        const double part = xx[a][p] / xx[p][p];
-        for (int b = p + 1; b <= a; ++b) {
-            xx[a][b] -= part * xx[b][p];
-        }
-        xi[a] -= part * xi[p];
-    }
-}
-
-/** Coefficients of W, K and G by back substitution after the sweeps. */
-static void coefficients(double xx[REGRESSORS][REGRESSORS], const double xi[REGRESSORS], int ground,
-                         double *contrast, double *slope, double *height)
-{
-    *slope = xi[G] / xx[G][G];
-    *height = ground ? (xi[K] - xx[G][K] * *slope) / xx[K][K] : 0;
-    *contrast = (xi[W] - xx[G][W] * *slope - xx[K][W] * *height) / xx[W][W];
-}
-
-int stretch_solve(const grey_levels_t *levels, stretch_t *out)
+int stretch_solve(const grey_levels_t *levels, const fit_sums_t *sums, stretch_t *out)
 {
     if (out->clipped) {
         return 1; /* solved at once, and no level of white is to be had */
     }
-    const int pixels = (int)out->sums.n;
-    int ground = out->ground;
-    fit_sums_t with_levels = out->sums;
-    add_levels(&with_levels, levels);
-    const fit_sums_t *sums = &with_levels;
-    const double n = (double)sums->n;
+    const double pixels = (double)sums->n;
     if (pixels < PIXELS_LEAST) {
         return 0;
     }
-    double xx[REGRESSORS][REGRESSORS], xi[REGRESSORS];
-    for (int a = 0; a < REGRESSORS; ++a) {
-        xi[a] = (double)sums->xi[a] - (double)sums->x[a] * (double)sums->i / n;
-        for (int b = 0; b <= a; ++b) {
-            xx[a][b] = (double)sums->xx[a][b] - (double)sums->x[a] * (double)sums->x[b] / n;
-        }
-    }
-    double rss = (double)sums->ii - (double)sums->i * (double)sums->i / n;
-    const double whole[3] = {xx[W][W], xx[K][K], xx[G][G]};
-    if (!(whole[0] > 0)) {
+    fit_moments_t m;
+    moments_of(levels, out, sums, &m);
+    const double whole_kk = m.kk, whole_gg = m.gg;
+    if (!(m.ww > 0)) {
         return 0;
     }
-    sweep(xx, xi, W);
-    rss -= xi[W] * xi[W] / xx[W][W];
-    if (ground && !(xx[K][K] > 1e-4 * whole[1])) {
-        ground = 0; /* the window does not reach it */
-    }
-    if (ground) {
-        sweep(xx, xi, K);
-        rss -= xi[K] * xi[K] / xx[K][K];
-    }
-    if (!(xx[G][G] > 1e-3 * whole[2])) {
+    int ground = out->ground;
+    const double per_ww = sweep_white(ground, &m);
+    ground = ground && m.kk > 1e-4 * whole_kk; /* where the window reaches it */
+    const double per_kk = ground ? sweep_ground(&m) : 0;
+    if (!(m.gg > 1e-3 * whole_gg)) {
         return 0;
     }
-    const double by_blur = xx[H][G] / xx[G][G], by_cells = xx[C][G] / xx[G][G];
-    sweep(xx, xi, G);
-    rss -= xi[G] * xi[G] / xx[G][G];
-    double contrast, slope, height;
-    coefficients(xx, xi, ground, &contrast, &slope, &height);
+    const double per_gg = 1 / m.gg;
+    const double slope = m.ig * per_gg;
+    const double height = ground ? (m.ik - m.kg * slope) * per_kk : 0;
+    const double contrast = (m.iw - m.gw * slope - m.kw * height) * per_ww;
     if (!(contrast > 0)) {
         return 0;
     }
+    const float *of = sums->of;
+    const double black = (double)levels->weight[0], white = (double)levels->weight[1];
+    const double grey = (double)of[SUM_I] + black * (double)levels->grey[0] +
+                        white * (double)levels->grey[1];
+    const double lit = contrast * ((double)of[SUM_W] + white) + slope * (double)of[SUM_G] +
+                       (ground ? height * (double)of[SUM_K] : 0);
+    const double per_contrast = 1 / contrast;
     out->pixels = (uint16_t)pixels;
-    out->black = (float)(((double)sums->i - contrast * (double)sums->x[W] -
-                          height * (double)sums->x[K] - slope * (double)sums->x[G]) /
-                         n);
+    out->black = (float)((grey - lit) / m.n);
     out->contrast = (float)contrast;
-    out->offset_px = out->expected_px + (float)(-slope / contrast);
-    out->sigma_unit = (float)(1 / (sqrt(xx[G][G]) * contrast));
+    out->offset_px = out->expected_px + (float)(-slope * per_contrast);
+    out->sigma_unit = (float)(sqrt(per_gg) * per_contrast);
     /* A level that is known beforehand costs no freedom. */
     const double third = pixels / 3.0;
-    const double solved = 1 + (ground ? 1 : 0) + third / (third + (double)levels->weight[0]) +
-                          third / (third + (double)levels->weight[1]);
+    const double solved =
+        1 + (ground ? 1 : 0) +
+        (black + white > 0 ? third / (third + black) + third / (third + white) : 2);
+    const double rss = m.ii - m.ig * slope;
     out->variance = (float)((rss > 0 ? rss : 0) / (pixels - solved));
-    /* What of the residual the blur would explain. */
-    out->blur_weight = (float)(contrast * contrast * (xx[H][H] > 0 ? xx[H][H] : 0));
-    out->blur_slope = (float)(contrast * xi[H]);
-    /* H is swept of G by now: what was taken out is what the blur moves. */
-    out->by_blur = (float)-by_blur;
-    out->by_cells = (float)by_cells;
+    /* What of the residual the blur would explain, once the rest is taken out of it. */
+    const double hh = m.hh - m.hg * m.hg * per_gg;
+    out->blur_weight = (float)(contrast * contrast * (hh > 0 ? hh : 0));
+    out->blur_slope = (float)(contrast * (m.ih - slope * m.hg));
+    out->by_blur = (float)(-m.hg * per_gg);
+    out->by_cells = (float)(m.cg * per_gg);
     return 1;
-}
-
-void stretch_sum(const side_model_t *model, const fit_line_t *lines, int count, stretch_t *out)
-{
-    fit_pixels_t pixels;
-    line_pixels_gather(&pixels.of, lines, count);
-    out->saturated = (uint16_t)line_pixels_saturated(&pixels.of, model->white_level - 0.5f);
-    out->clipped = 0;
-    out->ground = model->ground > 0.f;
-    stretch_parts_t parts = parts_of(model, &pixels);
-    parts.ground = out->ground;
-    model_pixels(model, &parts, &pixels);
-    sum_pixels(&pixels, out->ground, parts.cells, &out->sums);
 }

@@ -10,11 +10,12 @@
 
 #define LINE_PIXELS_MAX 64
 #define STRETCH_LINES_MAX 32
+#define FIT_LINE_SPARE 8 /* pixels behind a line that may be read */
 
 /** What lies along one side of a square, in the picture. */
 typedef struct side_model {
     edge_blur_t blur;      /**< across the side */
-    float per_sigma;       /**< 1 / standard deviation of that blur */
+    float sigma, per_sigma; /**< standard deviation of that blur, and 1 / it */
     float end_at; /**< where the side ends, mm from its middle, the common shift included */
     float along_scale;     /**< standard deviations of the blur along the side, per mm of it */
     edge_blur_t blur_along; /**< that blur */
@@ -36,12 +37,20 @@ typedef struct side_model {
 /** One line of pixels across a side. Both coordinates of the side run along it, since a line of the
  * picture is seldom square to the side. */
 typedef struct fit_line {
+    const uint8_t *first; /**< pixel */
+    int count;
+    int in_row; /**< 8 bit pixels side by side; what fills up the last lanes is in the picture */
     float s_first,
         s_step; /**< distance from the expected edge, outward: first pixel, and step, px */
     float along_first, along_step; /**< position along the side, mm from its middle */
-    int count;
-    float grey[LINE_PIXELS_MAX];
 } fit_line_t;
+
+typedef struct fit_lines {
+    int count;
+    int wide;              /**< 16 bit pixels */
+    ptrdiff_t pixel_bytes; /**< from a pixel of a line to the next */
+    fit_line_t line[STRETCH_LINES_MAX];
+} fit_lines_t;
 
 #define STRETCH_REACH 3.5f /**< standard deviations from where on a step has no effect */
 
@@ -53,13 +62,28 @@ typedef struct cell_ends {
 } cell_ends_t;
 
 /** Which part of the code cells beyond the side a stretch from `low` to `high` mm sees. */
-cell_ends_t stretch_cell_ends(const side_model_t *model, float low, float high);
+void stretch_cell_ends(const side_model_t *model, float low, float high, cell_ends_t *ends);
 
-/** Sum up the pixels of a stretch into `out`; its geometry is the caller's. */
-void stretch_sum(const side_model_t *model, const fit_line_t *lines, int count, stretch_t *out);
+/** What looks at every pixel, compiled for one kind of vector unit; all give the same bytes. */
+typedef struct stretch_kernel {
+    /** Sum up the pixels of a stretch; its geometry is the caller's. */
+    void (*sum)(const side_model_t *model, const fit_lines_t *lines, stretch_t *out,
+                fit_sums_t *sums);
+    /** Fit a stretch of a picture whose white saturates; 0 where it has no edge to be placed. */
+    int (*fit_clipped)(const side_model_t *model, const fit_lines_t *lines, stretch_t *out,
+                       clip_info_t *clip);
+} stretch_kernel_t;
 
-/** Fit a stretch of a picture whose white saturates; 0 where it has no edge to be placed. */
-int stretch_fit_clipped(const side_model_t *model, const fit_line_t *lines, int count,
-                        stretch_t *out);
+/** The kernel for the widest registers that this machine has, or, not `wide`, that all have. */
+const stretch_kernel_t *stretch_kernel(int wide);
+
+void stretch_sum_plain(const side_model_t *model, const fit_lines_t *lines, stretch_t *out,
+                       fit_sums_t *sums);
+void stretch_sum_avx2(const side_model_t *model, const fit_lines_t *lines, stretch_t *out,
+                      fit_sums_t *sums);
+int stretch_clip_plain(const side_model_t *model, const fit_lines_t *lines, stretch_t *out,
+                       clip_info_t *clip);
+int stretch_clip_avx2(const side_model_t *model, const fit_lines_t *lines, stretch_t *out,
+                      clip_info_t *clip);
 
 #endif

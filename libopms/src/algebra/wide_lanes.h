@@ -1,0 +1,152 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/** @file
+ * Eight floats at a time: one register where there is AVX2, two of any other vector unit, with the
+ * same result to the last bit. All is inlined into functions that are compiled for either, see
+ * WIDE_AVX2. Comparisons go by signs, which compilers keep in registers of any width. */
+#ifndef OPMS_ALGEBRA_WIDE_LANES_H
+#define OPMS_ALGEBRA_WIDE_LANES_H
+
+#include <stdint.h>
+#include <string.h>
+
+#define WIDE 8
+
+/** What lanes are handed to has to be inlined, whatever the level of optimisation. */
+#define WIDE_INLINE static inline __attribute__((always_inline))
+
+#if defined(__x86_64__) && defined(__GNUC__)
+/** Compiles a function for the wider registers; it may be called where wide_has_avx2() says so. */
+#define WIDE_AVX2 __attribute__((target("avx2")))
+static inline int wide_has_avx2(void)
+{
+    return __builtin_cpu_supports("avx2") != 0;
+}
+#else
+#define WIDE_AVX2
+static inline int wide_has_avx2(void)
+{
+    return 0;
+}
+#endif
+
+typedef float wide_t __attribute__((vector_size(WIDE * sizeof(float))));
+typedef int32_t wide_int_t __attribute__((vector_size(WIDE * sizeof(float))));
+typedef float wide_half_t __attribute__((vector_size(WIDE / 2 * sizeof(float))));
+
+WIDE_INLINE wide_t wide_of(float v)
+{
+    return (wide_t){v, v, v, v, v, v, v, v};
+}
+
+/** 0, 1, 2 ... 7 */
+WIDE_INLINE wide_t wide_number(void)
+{
+    return (wide_t){0, 1, 2, 3, 4, 5, 6, 7};
+}
+
+WIDE_INLINE wide_t wide_load(const float *from)
+{
+    wide_t v;
+    memcpy(&v, from, sizeof v);
+    return v;
+}
+
+WIDE_INLINE void wide_store(float *to, wide_t v)
+{
+    memcpy(to, &v, sizeof v);
+}
+
+/** Set where a is less than b. */
+WIDE_INLINE wide_int_t wide_less(wide_t a, wide_t b)
+{
+    return (wide_int_t)(a - b) >> 31;
+}
+
+/** The lanes from the first to the one before `count`, set. */
+WIDE_INLINE wide_int_t wide_first(int count)
+{
+    static const int32_t set[2 * WIDE] = {-1, -1, -1, -1, -1, -1, -1, -1};
+    const int some = count < WIDE ? count : WIDE;
+    wide_int_t mask;
+    memcpy(&mask, &set[WIDE - some], sizeof mask);
+    return mask;
+}
+
+/** `v` where the mask is set, 0 elsewhere. */
+WIDE_INLINE wide_t wide_where(wide_int_t mask, wide_t v)
+{
+    return (wide_t)(mask & (wide_int_t)v);
+}
+
+/** `yes` where the mask is set, `no` elsewhere. */
+WIDE_INLINE wide_t wide_pick(wide_int_t mask, wide_t yes, wide_t no)
+{
+    return (wide_t)((mask & (wide_int_t)yes) | (~mask & (wide_int_t)no));
+}
+
+WIDE_INLINE wide_t wide_abs(wide_t v)
+{
+    return (wide_t)((wide_int_t)v & INT32_MAX);
+}
+
+/** `size` with its sign turned where `v` is negative. */
+WIDE_INLINE wide_t wide_signed(wide_t size, wide_t v)
+{
+    return (wide_t)((wide_int_t)size ^ ((wide_int_t)v & INT32_MIN));
+}
+
+WIDE_INLINE wide_t wide_min(wide_t a, wide_t b)
+{
+    return wide_pick(wide_less(a, b), a, b);
+}
+
+WIDE_INLINE wide_t wide_max(wide_t a, wide_t b)
+{
+    return wide_pick(wide_less(a, b), b, a);
+}
+
+#ifdef __clang__
+#define WIDE_HALF_SHUFFLE(a, b, p, q, r, s) __builtin_shufflevector(a, b, p, q, r, s)
+#else
+typedef int32_t wide_half_int_t __attribute__((vector_size(WIDE / 2 * sizeof(float))));
+#define WIDE_HALF_SHUFFLE(a, b, p, q, r, s)                                                       \
+    __builtin_shuffle(a, b, (wide_half_int_t){p, q, r, s})
+#endif
+
+WIDE_INLINE wide_half_t wide_fold(const wide_t *v)
+{
+    wide_half_t half[2];
+    memcpy(half, v, sizeof half);
+    return half[0] + half[1];
+}
+
+/** The sums of the lanes of four. */
+WIDE_INLINE void wide_sums(const wide_t v[4], float sum[4])
+{
+    const wide_half_t a = wide_fold(&v[0]), b = wide_fold(&v[1]), c = wide_fold(&v[2]),
+                       d = wide_fold(&v[3]);
+    const wide_half_t ab =
+        WIDE_HALF_SHUFFLE(a, b, 0, 4, 1, 5) + WIDE_HALF_SHUFFLE(a, b, 2, 6, 3, 7);
+    const wide_half_t cd =
+        WIDE_HALF_SHUFFLE(c, d, 0, 4, 1, 5) + WIDE_HALF_SHUFFLE(c, d, 2, 6, 3, 7);
+    const wide_half_t all =
+        WIDE_HALF_SHUFFLE(ab, cd, 0, 1, 4, 5) + WIDE_HALF_SHUFFLE(ab, cd, 2, 3, 6, 7);
+    memcpy(sum, &all, sizeof all);
+}
+
+WIDE_INLINE float wide_sum(wide_t v)
+{
+    const wide_half_t half = wide_fold(&v);
+    return (half[0] + half[2]) + (half[1] + half[3]);
+}
+
+WIDE_INLINE int wide_count(wide_int_t mask)
+{
+    int count = 0;
+    for (int k = 0; k < WIDE; ++k) {
+        count -= mask[k];
+    }
+    return count;
+}
+
+#endif
