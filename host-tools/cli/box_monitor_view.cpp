@@ -1,19 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "box_monitor_view.hpp"
 
-#include <cstdio>
-
-#include <sys/ioctl.h>
-#include <unistd.h>
-
 namespace {
-
-/** Of the terminal; a line that wrapped would spoil the drawing. */
-size_t columns()
-{
-    winsize size = {};
-    return ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0 ? size.ws_col : 80;
-}
 
 const char *clock_name(opms_clock_state_t state)
 {
@@ -169,18 +157,4 @@ std::vector<std::string> monitor_screen(const BoxWatch &watch, const MonitorRow 
         lines.push_back("         " + news);
     }
     return lines;
-}
-
-bool MonitorScreen::draw(const std::vector<std::string> &lines)
-{
-    if (drawn_ > 0) {
-        std::printf("\033[%zuF", drawn_);
-    }
-    const size_t width = columns();
-    for (const std::string &line : lines) {
-        std::printf("%s\033[K\n", line.substr(0, width - 1).c_str());
-    }
-    std::printf("\033[J");
-    drawn_ = lines.size();
-    return std::fflush(stdout) == 0 && !std::ferror(stdout);
 }

@@ -26,14 +26,4 @@ std::string monitor_line(const BoxWatch &watch, const MonitorRow &row);
 /** The lines of the live view. */
 std::vector<std::string> monitor_screen(const BoxWatch &watch, const MonitorRow &row);
 
-/** Draws lines over those of the last time, by plain ANSI. */
-class MonitorScreen {
-public:
-    /** @return false where stdout cannot be written. */
-    bool draw(const std::vector<std::string> &lines);
-
-private:
-    size_t drawn_ = 0;
-};
-
 #endif

@@ -16,7 +16,9 @@
 #include "box_watch.hpp"
 #include "cmd_box.hpp"
 #include "commands.hpp"
+#include "number_check.hpp"
 #include "result_stream.hpp"
+#include "text_screen.hpp"
 
 namespace {
 
@@ -25,7 +27,6 @@ using Clock = std::chrono::steady_clock;
 constexpr uint32_t PING_INTERVAL_MS = 100;
 constexpr uint32_t POLL_MS = 50;
 constexpr std::chrono::milliseconds REDRAW(250), ROW(1000);
-constexpr double SECONDS_MAX = 1e7;
 
 struct MonitorArguments {
     std::string box = "hid";
@@ -67,7 +68,7 @@ private:
     BoxWatch watch_;
     bool screen_;
     std::string unique_id_;
-    MonitorScreen drawing_;
+    TextScreen drawing_;
     ResultStream out_;
     Clock::time_point begin_ = Clock::now();
 };
@@ -188,20 +189,6 @@ int monitor(const MonitorArguments &arguments)
     std::signal(SIGINT, on_signal);
     std::signal(SIGTERM, on_signal);
     return Monitor(arguments, *device, settings.settings.period_us).run();
-}
-
-/** CLI11's range check lets NaN through. */
-CLI::Validator seconds_check()
-{
-    return CLI::Validator(
-        [](std::string &value) {
-            double seconds = 0;
-            const bool number = CLI::detail::lexical_cast(value, seconds);
-            return number && seconds > 0 && seconds <= SECONDS_MAX
-                       ? std::string()
-                       : value + " is no time in seconds";
-        },
-        "");
 }
 
 } // namespace

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /** @file
- * A trigger box as the live system sees it: real, emulated (both opms::hid), simulated, replayed. */
+ * A trigger box as the live system sees it: real, emulated (opms::hid), simulated, replayed. */
 #ifndef OPMS_LIVE_BOX_PORT_HPP
 #define OPMS_LIVE_BOX_PORT_HPP
 
