@@ -9,6 +9,7 @@
 
 #include <string.h>
 
+#include "grid/grey_inside.h"
 #include "grid/grid_sheet.h"
 
 #define MARKER_MIDDLE 0.24f  /* of the pitch: 6 mm */
@@ -16,28 +17,23 @@
 #define DARK_LEAST 0.35f     /* of the white */
 #define MARGIN_LEAST 0.2f
 
-/* Grey level of a cell at (x, y) of its own axes, 0 to 1, bilinear between its corners. */
-static float cell_grey(const view_t *view, const lattice_node_t *corner[4], float x, float y)
-{
-    const float weight[4] = {(1.f - x) * (1.f - y), x * (1.f - y), x * y, (1.f - x) * y};
-    vec2_t at = {0.f, 0.f};
-    for (int k = 0; k < 4; ++k) {
-        at = vec2_add(at, corner[k]->at, weight[k]);
-    }
-    return view_holds(view, at.x, at.y, 0.0) ? view_bilinear(view, at.x, at.y) : 0.f;
-}
-
 /* Mean of five places of a cell's corner, where the marker would be. */
 static float corner_grey(const view_t *view, const lattice_node_t *corner[4], int k)
 {
-    static const float far[4][2] = {{0.f, 0.f}, {1.f, 0.f}, {1.f, 1.f}, {0.f, 1.f}};
     static const float around[5][2] = {{0, 0}, {1, 1}, {1, -1}, {-1, 1}, {-1, -1}};
+    const vec2_t own = corner[k]->at;
+    const vec2_t x = vec2_between(own, corner[(k + 1) % 4]->at);
+    const vec2_t y = vec2_between(own, corner[(k + 3) % 4]->at);
+    /* Where the opposite corner is beyond x + y: cells are no parallelograms. */
+    const vec2_t both = vec2_between(vec2_add(x, y, 1.f),
+                                     vec2_between(own, corner[(k + 2) % 4]->at));
+    const vec2_t along = vec2_add(x, both, MARKER_MIDDLE);
+    const vec2_t beside = vec2_add(y, both, MARKER_MIDDLE);
+    const vec2_t middle = vec2_add(vec2_add(own, along, MARKER_MIDDLE), y, MARKER_MIDDLE);
     float sum = 0.f;
     for (int i = 0; i < 5; ++i) {
-        const float x = MARKER_MIDDLE + MARKER_SPREAD * around[i][0];
-        const float y = MARKER_MIDDLE + MARKER_SPREAD * around[i][1];
-        sum +=
-            cell_grey(view, corner, far[k][0] > 0.f ? 1.f - x : x, far[k][1] > 0.f ? 1.f - y : y);
+        const vec2_t row = vec2_add(middle, along, MARKER_SPREAD * around[i][0]);
+        sum += grey_inside(view, vec2_add(row, beside, MARKER_SPREAD * around[i][1]));
     }
     return 0.2f * sum;
 }
@@ -60,13 +56,19 @@ typedef struct place {
     float dark;
 } place_t;
 
+/* 0 where there is no whole cell in the picture. */
 static int cell_corners(opms_grid_detector_t *d, int i, int j, const lattice_node_t *corner[4])
 {
     corner[0] = node_at(d, i, j);
     corner[1] = node_at(d, i + 1, j);
     corner[2] = node_at(d, i + 1, j + 1);
     corner[3] = node_at(d, i, j + 1);
-    return corner[0] && corner[1] && corner[2] && corner[3];
+    for (int k = 0; k < 4; ++k) {
+        if (!corner[k] || !is_inside(&d->view, corner[k]->at)) {
+            return 0;
+        }
+    }
+    return 1;
 }
 
 /* The darkest corner of all cells, and how dark the next darkest is. */

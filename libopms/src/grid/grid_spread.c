@@ -5,6 +5,8 @@
 
 #define ARM 0.35f         /* of the step: between node and next node, clear of both crossings */
 #define REACH 0.3f        /* of the step: how far off a line may be from where it is expected */
+#define NEAR 0.1f         /* of the step: so far off it is, mostly */
+#define WHITE_PX 2.f      /* beyond that, to see white: more beside wide lines, as NEAR is then */
 #define DISAGREE 0.2f     /* of the step: between both arms of a line */
 #define LEAST_DEPTH 0.10f /* of the white */
 #define TRIES 3           /* a node refused from one side may be predicted better from another */
@@ -16,15 +18,28 @@ typedef struct arm {
     float off; /* in steps */
 } arm_t;
 
+/* The valley beside an arm's middle. It mostly lies where it is expected: then what is near is
+ * enough to look at, some white on both sides included. */
+static int find_valley(const view_t *view, vec2_t middle, vec2_t unit, float length,
+                       valley_t *valley)
+{
+    const float near = NEAR * length + WHITE_PX;
+    const float reach = REACH * length > 2.f ? REACH * length : 2.f;
+    if (near < reach && nearest_valley(view, middle, unit, near, LEAST_DEPTH, valley) &&
+        fabsf(valley->at) < near - WHITE_PX) {
+        return 1;
+    }
+    return nearest_valley(view, middle, unit, reach, LEAST_DEPTH, valley);
+}
+
 static arm_t look_at_arm(const view_t *view, vec2_t node, vec2_t along, vec2_t across)
 {
     arm_t arm = {0};
     const float length = vec2_length(across);
     const vec2_t unit = {across.x / length, across.y / length};
     const vec2_t middle = vec2_add(node, along, ARM);
-    const float reach = REACH * length > 2.f ? REACH * length : 2.f;
     valley_t valley;
-    if (nearest_valley(view, middle, unit, reach, LEAST_DEPTH, &valley)) {
+    if (find_valley(view, middle, unit, length, &valley)) {
         arm.seen = 1;
         arm.at = vec2_add(middle, unit, valley.at);
         arm.off = valley.at / length;

@@ -40,6 +40,7 @@ struct opms_grid_detector {
     uint32_t found; /**< nodes of the lattice that are found */
     profile_store_t profiles;
     float blur;     /**< px, standard deviation */
+    int rows;       /**< of pixels that are read of an arm at most */
     float noise, contrast;
     uint32_t node_count;
     opms_node_t nodes[OPMS_GRID_NODES_MAX];

@@ -12,274 +12,207 @@
 
 #include <string.h>
 
-#include "algebra/lanes.h"
-#include "algebra/spd.h"
+#include "grid/line_sums.h"
 
 #define N 6
 #define PIVOT_LEAST 1e-7
 #define ROWS_LEAST 2 /* in all */
 
-typedef struct equations {
-    double matrix[N * N]; /* lower triangle */
-    double right[N], bend[N], yy;
-} equations_t;
+/* Rows being taken for a fit, in the raster's own axes. */
+typedef struct taking {
+    const raster_t *raster;
+    vec2_t at, along;
+    float s_per_row;
+    ptrdiff_t row_bytes, pixel_bytes;
+    row_batch_t batch;
+    line_sums_t *sums;
+} taking_t;
 
-/* Products of (1, x, T, T', grey) among each other, four pixels side by side. */
-#define BASIS 5
-#define PRODUCTS 15
-#define PRODUCT(a, b) ((a) * (9 - (a)) / 2 + (b)) /* place of one, a <= b */
-#define POWERS 4 /* of s, and 1 */
-
-/* Sums over all rows, weighted by powers of s; of the third only what bending asks for. */
-typedef struct row_sums {
-    lanes_t by_power[POWERS][PRODUCTS];
-    int pixels, rows;
-} row_sums_t;
-
-static void add_quartet(lanes_t row[PRODUCTS], const lanes_t basis[BASIS])
+static taking_t begin_taking(const raster_t *raster, const line_stretch_t *stretch,
+                             line_sums_t *sums)
 {
-    int place = 0;
-    for (int a = 0; a < BASIS; ++a) {
-        for (int b = a; b < BASIS; ++b, ++place) {
-            row[place] += basis[a] * basis[b];
-        }
+    const vec2_t at = stretch->at, along = stretch->along;
+    const ptrdiff_t size = raster->view->wide ? 2 : 1, stride = raster->view->stride;
+    taking_t taking = {raster, at, along, 1.f / along.y, stride, size, {.count = 0}, sums};
+    if (raster->columns) {
+        taking.at = (vec2_t){at.y, at.x};
+        taking.along = (vec2_t){along.y, along.x};
+        taking.s_per_row = 1.f / along.x;
+        taking.row_bytes = size;
+        taking.pixel_bytes = stride;
     }
+    memset(sums, 0, sizeof *sums);
+    return taking;
 }
 
-static void add_row(row_sums_t *sums, const lanes_t row[PRODUCTS], float s)
+/* One row: pixels within reach of the line. A row that leaves the picture is left out. */
+static void take_row(taking_t *taking, int v)
 {
-    for (int i = 0; i < PRODUCTS; ++i) {
-        const lanes_t once = s * row[i];
-        sums->by_power[0][i] += row[i];
-        sums->by_power[1][i] += once;
-        sums->by_power[2][i] += s * once;
-    }
-    sums->by_power[3][PRODUCT(0, 3)] += s * s * s * row[PRODUCT(0, 3)];
-    sums->by_power[3][PRODUCT(3, 3)] += s * s * s * row[PRODUCT(3, 3)];
-    ++sums->rows;
-}
-
-/* Rows of the picture, or its columns: `u` runs within one, `v` counts them. */
-typedef struct raster {
-    const view_t *view;
-    const line_profile_t *profile; /* of the line, smeared by the pixels' height, too */
-    int columns;
-    int u_end, v_end;
-} raster_t;
-
-/* One row of it while it is read. */
-typedef struct scan {
-    const uint8_t *pixels;    /* the first of the row */
-    ptrdiff_t step;           /* bytes to the next */
-    int wide;                 /* 16 bit */
-    lanes_t x;                /* px across the line, of the next four pixels */
-    float slope;              /* px across the line a pixel */
-    lanes_t area, level;      /* of the line at the border before them, in the last lane */
-} scan_t;
-
-static lanes_t four_greys(const scan_t *scan, int u)
-{
-    const uint8_t *at = scan->pixels + u * scan->step;
-    if (scan->wide) {
-        uint16_t grey[LANES];
-        for (int l = 0; l < LANES; ++l) {
-            memcpy(&grey[l], at + l * scan->step, sizeof grey[l]);
-        }
-        return (lanes_t){grey[0], grey[1], grey[2], grey[3]};
-    }
-    const uint8_t grey[LANES] = {at[0], at[scan->step], at[2 * scan->step], at[3 * scan->step]};
-    return (lanes_t){grey[0], grey[1], grey[2], grey[3]};
-}
-
-/* Less than four are left: the others count nothing and are not read. */
-static lanes_t some_greys(const scan_t *scan, int u, int n)
-{
-    lanes_t greys = lanes_of(0.f);
-    for (int l = 0; l < n; ++l) {
-        const uint8_t *at = scan->pixels + (u + l) * scan->step;
-        uint16_t wide;
-        memcpy(&wide, at, scan->wide ? sizeof wide : 1);
-        greys[l] = scan->wide ? wide : *at;
-    }
-    return greys;
-}
-
-/* The four pixels of the line that follow. A pixel sees the mean over its own width: what lies
- * between its borders. */
-static void next_basis(const line_profile_t *profile, scan_t *scan, lanes_t basis[BASIS - 1])
-{
-    const border_lanes_t right = border_lanes_at(profile, scan->x + 0.5f * scan->slope);
-    const lanes_t area = {scan->area[3], right.area[0], right.area[1], right.area[2]};
-    const lanes_t level = {scan->level[3], right.level[0], right.level[1], right.level[2]};
-    const float per_width = 1.f / scan->slope;
-    basis[0] = lanes_of(1.f);
-    basis[1] = scan->x;
-    basis[2] = (right.area - area) * per_width;
-    basis[3] = (right.level - level) * per_width;
-    scan->area = right.area;
-    scan->level = right.level;
-    scan->x += (float)LANES * scan->slope;
-}
-
-static void mask_basis(lanes_t basis[BASIS], int n)
-{
-    const lanes_int_t number = {0, 1, 2, 3}, counts = number < n;
-    for (int a = 0; a < BASIS; ++a) {
-        basis[a] = (lanes_t)((lanes_int_t)basis[a] & counts);
-    }
-}
-
-static scan_t begin_scan(const raster_t *raster, float x_first, float slope, int v)
-{
-    const view_t *view = raster->view;
-    const ptrdiff_t size = view->wide ? 2 : 1;
-    const border_lanes_t start =
-        border_lanes_at(raster->profile, lanes_of(x_first - 0.5f * slope));
-    const scan_t scan = {view->base + v * (raster->columns ? size : view->stride),
-                         raster->columns ? view->stride : size,
-                         view->wide,
-                         {x_first, x_first + slope, x_first + 2.f * slope, x_first + 3.f * slope},
-                         slope,
-                         start.area,
-                         start.level};
-    return scan;
-}
-
-/* One row: pixels within reach of the line. The grey levels count from the middle of the row, so
- * that float sums keep their digits. */
-static void sum_row(const raster_t *raster, const line_stretch_t *stretch, vec2_t at, vec2_t along,
-                    int v, float origin, row_sums_t *sums)
-{
-    const float s_row = ((float)v - at.y) / along.y;
-    const float u_line = at.x + s_row * along.x;
-    const float slope = fabsf(along.y);
-    const float span = stretch->reach / slope;
-    const int first = (int)ceilf(u_line - span), last = (int)floorf(u_line + span);
-    if (first < 0 || last >= raster->u_end) {
+    const raster_t *raster = taking->raster;
+    row_batch_t *batch = &taking->batch;
+    const float s = ((float)v - taking->at.y) * taking->s_per_row;
+    const float u_line = taking->at.x + s * taking->along.x;
+    const float before = u_line - 0.5f * (float)raster->row_size;
+    if (!(before > -1.f) || !(before + (float)raster->row_size < (float)(raster->u_end - 1))) {
         return;
     }
-    scan_t scan = begin_scan(raster, ((float)first - u_line) * slope, slope, v);
-    lanes_t row[PRODUCTS] = {{0.f}}, basis[BASIS];
-    int u = first;
-    for (; u + LANES - 1 <= last; u += LANES) {
-        next_basis(raster->profile, &scan, basis);
-        basis[BASIS - 1] = four_greys(&scan, u) - origin;
-        add_quartet(row, basis);
-    }
-    if (u <= last) {
-        next_basis(raster->profile, &scan, basis);
-        basis[BASIS - 1] = some_greys(&scan, u, last - u + 1) - origin;
-        mask_basis(basis, last - u + 1);
-        add_quartet(row, basis);
-    }
-    sums->pixels += last - first + 1;
-    add_row(sums, row, s_row);
-}
-
-static void sum_arm(const raster_t *raster, const line_stretch_t *stretch, vec2_t at, vec2_t along,
-                    float from, float to, float origin, row_sums_t *sums)
-{
-    float low = at.y + from * along.y, high = at.y + to * along.y;
-    if (low > high) {
-        const float swap = low;
-        low = high;
-        high = swap;
-    }
-    const int first = (int)ceilf(low) > 0 ? (int)ceilf(low) : 0;
-    const int last = (int)floorf(high) < raster->v_end - 1 ? (int)floorf(high) : raster->v_end - 1;
-    const int step = 1 + (last - first) / stretch->rows;
-    for (int v = first; v <= last; v += step) {
-        sum_row(raster, stretch, at, along, v, origin, sums);
+    const int first = (int)(before + 1.f), l = batch->count++;
+    batch->first[l] =
+        raster->view->base + v * taking->row_bytes + first * taking->pixel_bytes;
+    batch->x[l] = ((float)first - u_line) * raster->slope;
+    batch->s[l] = s;
+    if (batch->count == LANES) {
+        add_rows(raster, batch, taking->sums);
     }
 }
 
-/* Unknowns: 0 white, 1 across, 2 depth, 3 shift, then with s: 4 white, 5 shift. */
-static void write_equations(const row_sums_t *rows, equations_t *equations)
+/* The rows of an arm, or as many as are asked for, evenly spread. */
+static void take_arm(taking_t *taking, float from, float to, int rows)
 {
-    static const int base[N] = {0, 1, 2, 3, 0, 3}, power[N] = {0, 0, 0, 0, 1, 1};
-    float total[POWERS][PRODUCTS];
-    for (int p = 0; p < POWERS; ++p) {
-        for (int i = 0; i < PRODUCTS; ++i) {
-            total[p][i] = lanes_sum(rows->by_power[p][i]);
+    const float one = taking->at.y + from * taking->along.y;
+    const float other = taking->at.y + to * taking->along.y;
+    const int first = (int)fmaxf(ceilf(fminf(one, other)), 0.f);
+    const int last = (int)fminf(floorf(fmaxf(one, other)), (float)(taking->raster->v_end - 1));
+    const int count = last - first + 1;
+    const int taken = count < rows ? count : rows;
+    const float step = taken > 1 ? (float)(count - 1) / (float)(taken - 1) : 0.f;
+    for (int k = 0; k < taken; ++k) {
+        take_row(taking, first + (int)((float)k * step + 0.5f));
+    }
+}
+
+/* Normal equations in the order in which they are solved: 0 white, 1 across, then with s: 2 white
+ * and 3 shift, 4 depth, 5 shift. Of the matrix the upper triangle counts; beside it are the
+ * right-hand sides: for the grey levels, and for a line that bends. */
+#define RIGHT N
+#define BEND (N + 1)
+#define WIDTH (N + 2)
+
+typedef double row_t __attribute__((vector_size(WIDTH * sizeof(double)), aligned(16)));
+
+typedef struct equations {
+    row_t row[N];
+    double grey_grey;
+} equations_t;
+
+static void sum_lanes(const lanes_t *lanes, int count, double *out)
+{
+    for (int i = 0; i < count; ++i) {
+        out[i] = (double)lanes_sum(lanes[i]);
+    }
+}
+
+static void write_equations(const line_sums_t *sums, equations_t *e)
+{
+    double p[PRODUCTS], s[PRODUCTS_ONCE], ss[PRODUCTS_TWICE], sss[PRODUCTS_THRICE];
+    sum_lanes(sums->plain, PRODUCTS, p);
+    sum_lanes(sums->once, PRODUCTS_ONCE, s);
+    sum_lanes(sums->twice, PRODUCTS_TWICE, ss);
+    sum_lanes(sums->thrice, PRODUCTS_THRICE, sss);
+    const equations_t written = {
+        {{p[ONE_ONE], p[ONE_ACROSS], s[ONE_ONE], s[ONE_SHIFT], p[ONE_DEPTH], p[ONE_SHIFT],
+          p[ONE_GREY], 0.5 * ss[ONE_SHIFT]},
+         {0.0, p[ACROSS_ACROSS], s[ONE_ACROSS], s[ACROSS_SHIFT], p[ACROSS_DEPTH],
+          p[ACROSS_SHIFT], p[ACROSS_GREY], 0.5 * ss[ACROSS_SHIFT]},
+         {0.0, 0.0, ss[ONE_ONE], ss[ONE_SHIFT], s[ONE_DEPTH], s[ONE_SHIFT], s[ONE_GREY],
+          0.5 * sss[ONE_SHIFT]},
+         {0.0, 0.0, 0.0, ss[SHIFT_SHIFT], s[DEPTH_SHIFT], s[SHIFT_SHIFT], s[SHIFT_GREY],
+          0.5 * sss[SHIFT_SHIFT]},
+         {0.0, 0.0, 0.0, 0.0, p[DEPTH_DEPTH], p[DEPTH_SHIFT], p[DEPTH_GREY],
+          0.5 * ss[DEPTH_SHIFT]},
+         {0.0, 0.0, 0.0, 0.0, 0.0, p[SHIFT_SHIFT], p[SHIFT_GREY], 0.5 * ss[SHIFT_SHIFT]}},
+        p[GREY_GREY]};
+    *e = written;
+}
+
+/* Gauss's elimination from the top. What the last unknown is, and what it varies by, is then the
+ * last row; of the others only the depth is asked for. Whole rows at a time: what becomes of the
+ * lower triangle is not looked at. 0 where an unknown is left open. */
+static int eliminate(equations_t *e)
+{
+    double whole[N];
+    for (int j = 0; j < N; ++j) {
+        whole[j] = e->row[j][j];
+    }
+    for (int j = 0; j < N; ++j) {
+        const row_t from = e->row[j];
+        if (!(from[j] > PIVOT_LEAST * whole[j])) {
+            return 0;
         }
-    }
-    for (int a = 0; a < N; ++a) {
-        const int low = base[a] < 3 ? base[a] : 3;
-        equations->right[a] = (double)total[power[a]][PRODUCT(base[a], 4)];
-        equations->bend[a] = 0.5 * (double)total[power[a] + 2][PRODUCT(low, 3)];
-        for (int b = 0; b <= a; ++b) {
-            const int first = base[a] < base[b] ? base[a] : base[b];
-            const int second = base[a] + base[b] - first;
-            equations->matrix[a * N + b] =
-                (double)total[power[a] + power[b]][PRODUCT(first, second)];
+        const row_t part = from / from[j];
+        for (int i = j + 1; i < N; ++i) {
+            e->row[i] -= part[i] * from;
         }
+        e->grey_grey -= from[RIGHT] * part[RIGHT];
     }
-    equations->yy = (double)total[0][PRODUCT(4, 4)];
+    return 1;
 }
 
-static int solve_sums(const line_stretch_t *stretch, const row_sums_t *rows, line_fit_t *fit)
+static int solve_sums(const line_stretch_t *stretch, const line_sums_t *sums, int pixels,
+                      line_fit_t *fit)
 {
-    double unit[N] = {0, 0, 0, 1, 0, 0}, x[N];
-    equations_t equations;
-    write_equations(rows, &equations);
-    equations.matrix[5 * N + 5] += stretch->turn_weight;
-    memcpy(x, equations.right, sizeof x);
-    if (rows->rows < ROWS_LEAST || rows->pixels < 3 * N ||
-        !spd_factor(equations.matrix, N, PIVOT_LEAST)) {
+    equations_t e;
+    write_equations(sums, &e);
+    e.row[3][3] += (double)stretch->turn_weight;
+    if (sums->rows < ROWS_LEAST || pixels < 3 * N || !eliminate(&e)) {
         return 0;
     }
-    spd_solve(equations.matrix, N, x);
-    spd_solve(equations.matrix, N, equations.bend);
-    spd_solve(equations.matrix, N, unit);
-    double rest = equations.yy;
-    for (int i = 0; i < N; ++i) {
-        rest -= x[i] * equations.right[i];
-    }
-    const double contrast = -x[2];
+    const row_t depth = e.row[4], shift = e.row[5];
+    const double moved = shift[RIGHT] / shift[5];
+    const double contrast = -(depth[RIGHT] - depth[5] * moved) / depth[4];
     if (!(contrast > 0.0)) {
         return 0;
     }
     fit->contrast = (float)contrast;
-    fit->off = (float)(x[3] / contrast);
-    fit->variance = (float)(unit[3] / (contrast * contrast));
-    fit->bend = (float)equations.bend[3];
-    fit->pixels = rows->pixels;
-    fit->noise = (float)sqrt(fmax(0.0, rest) / (rows->pixels - N));
+    fit->off = (float)(moved / contrast);
+    fit->variance = (float)(1.0 / (shift[5] * contrast * contrast));
+    fit->bend = (float)(shift[BEND] / shift[5]);
+    fit->pixels = pixels;
+    fit->noise = (float)sqrt(fmax(0.0, e.grey_grey) / (pixels - N));
     return 1;
+}
+
+/* What is read, and how, for a line in this direction. */
+static raster_t plan_raster(const view_t *view, const line_stretch_t *stretch)
+{
+    const int columns = fabsf(stretch->along.x) > fabsf(stretch->along.y);
+    const float lean = columns ? stretch->along.y : stretch->along.x;
+    const float slope = fabsf(columns ? stretch->along.x : stretch->along.y);
+    const float blur = sqrtf(stretch->blur * stretch->blur + lean * lean / 12.f);
+    const line_profile_t *profile = profile_of(stretch->profiles, stretch->width, blur);
+    const float reach = fminf(stretch->reach, profile->reach - PROFILE_BORDER_PX);
+    const vec2_t white =
+        vec2_add(stretch->at, stretch->along, 0.5f * (stretch->from + stretch->to));
+    const raster_t raster = {view,
+                             profile,
+                             columns,
+                             columns ? view->height : view->width,
+                             columns ? view->width : view->height,
+                             slope,
+                             (int)(2.f * reach / slope + 0.5f),
+                             view_holds(view, white.x, white.y, 0.0)
+                                 ? view_bilinear(view, white.x, white.y)
+                                 : 0.f};
+    return raster;
 }
 
 int fit_line(const view_t *view, const line_stretch_t *stretch, line_fit_t *fit)
 {
-    const int columns = fabsf(stretch->along.x) > fabsf(stretch->along.y);
-    const float lean = columns ? stretch->along.y : stretch->along.x;
-    const float blur = sqrtf(stretch->blur * stretch->blur + lean * lean / 12.f);
-    const raster_t raster = {view, profile_of(stretch->profiles, stretch->width, blur), columns,
-                             columns ? view->height : view->width,
-                             columns ? view->width : view->height};
-    vec2_t at = stretch->at, along = stretch->along;
-    if (columns) {
-        const vec2_t a = {at.y, at.x}, l = {along.y, along.x};
-        at = a;
-        along = l;
-    }
-    const vec2_t white =
-        vec2_add(stretch->at, stretch->along, 0.5f * (stretch->from + stretch->to));
-    const float origin = view_holds(view, white.x, white.y, 0.0)
-        ? view_bilinear(view, white.x, white.y)
-        : 0.f;
-    row_sums_t sums;
-    memset(&sums, 0, sizeof sums);
+    const raster_t raster = plan_raster(view, stretch);
+    line_sums_t sums;
+    taking_t taking = begin_taking(&raster, stretch, &sums);
     if (stretch->plus) {
-        sum_arm(&raster, stretch, at, along, stretch->from, stretch->to, origin, &sums);
+        take_arm(&taking, stretch->from, stretch->to, stretch->rows);
     }
     if (stretch->minus) {
-        sum_arm(&raster, stretch, at, along, -stretch->to, -stretch->from, origin, &sums);
+        take_arm(&taking, -stretch->to, -stretch->from, stretch->rows);
     }
-    if (!solve_sums(stretch, &sums, fit)) {
+    add_rows(&raster, &taking.batch, &sums);
+    if (!solve_sums(stretch, &sums, sums.rows * raster.row_size, fit)) {
         return 0;
     }
     /* So far `off` counts towards rising u; to the right of `along` that is, or is not. */
-    const float sign = (columns ? -stretch->along.x : stretch->along.y) > 0.f ? -1.f : 1.f;
+    const float sign = (raster.columns ? -stretch->along.x : stretch->along.y) > 0.f ? -1.f : 1.f;
     fit->off *= sign;
     return 1;
 }

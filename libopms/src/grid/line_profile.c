@@ -6,7 +6,9 @@
 #include "algebra/normal_lanes.h"
 
 #define STEPS_PER_E 32.f /* 3 % */
-#define TAIL 4.2f        /* blurs: what is beyond is less than 2e-5 */
+#define TAIL 4.2f        /* blurs: what is beyond is less than 2e-5, */
+#define CLEAR 2.5f       /* but fits look at some white on both sides, too: */
+#define WHITE_PX 2.2f
 
 /* Integral of the normal distribution. */
 static lanes_t ramp_at(lanes_t z, const normal_lanes_t *normal)
@@ -18,7 +20,7 @@ static void fill(line_profile_t *profile)
 {
     const float half = 0.5f * expf((float)profile->width_step / STEPS_PER_E);
     const float blur = expf((float)profile->blur_step / STEPS_PER_E);
-    const float reach = half + TAIL * blur;
+    const float reach = half + fmaxf(TAIL * blur, CLEAR * blur + WHITE_PX);
     const float step = 2.f * reach / (PROFILE_ENTRIES - 2);
     profile->reach = reach;
     profile->per_px = 1.f / step;

@@ -11,6 +11,7 @@
 #define PROFILE_ENTRIES 196 /* a multiple of LANES */
 #define WIDTHS_KEPT 32      /* steps: the widths of one picture differ by less than 2.5 times */
 #define BLURS_KEPT 8
+#define PROFILE_BORDER_PX 0.8f /* from a window's end to the outer border of its last pixel */
 
 /** A line at the border between two pixels. A pixel sees the mean between its borders: the
  * difference of their areas over its width; and moves with the line by that of their levels. */
@@ -23,7 +24,7 @@ typedef struct border {
  * changes the depth that is fitted, never the place: a profile is symmetric. */
 typedef struct line_profile {
     int width_step, blur_step;
-    float reach;    /**< px from the middle, beyond which there is nothing */
+    float reach;    /**< px from the middle that the table holds */
     float per_px;   /**< entries */
     border_t at[PROFILE_ENTRIES];
 } line_profile_t;
@@ -41,12 +42,11 @@ typedef struct border_lanes {
     lanes_t area, level;
 } border_lanes_t;
 
-/** The borders at x px from the line's middle, linear between entries: exact to 2e-4. */
+/** The borders at x px from the line's middle, at most `reach`; linear between entries: exact to
+ * 5e-4. */
 static inline border_lanes_t border_lanes_at(const line_profile_t *profile, lanes_t x)
 {
-    const lanes_t reach = lanes_of(profile->reach);
-    const lanes_t place =
-        (lanes_min(lanes_max(x, -reach), reach) + reach) * profile->per_px;
+    const lanes_t place = (x + profile->reach) * profile->per_px;
     const lanes_int_t entry = __builtin_convertvector(place, lanes_int_t);
     const lanes_t part = place - __builtin_convertvector(entry, lanes_t);
     lanes_t pair[LANES]; /* (area, level) of an entry and of the next */

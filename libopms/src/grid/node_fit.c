@@ -6,11 +6,15 @@
 
 #define LINE_PART 0.08f    /* of the pitch: 2 mm of 25 mm */
 #define ARM_END 0.5f       /* of the step: the other half belongs to the next node */
-#define BLUR_START 0.8f
+#define RUNGS 7            /* blurs that are tried at most, */
+#define RUNG_START 2       /* and first: 0.7 px */
+#define WHITE_PX 1.f       /* beyond the line's own blur: more meets the crossing line */
 #define CLEAR 2.5f         /* blurs beyond the other line's edge, where an arm begins */
 #define MOVED_PX 0.1f      /* beyond this the fit is not yet linear */
 #define ROUNDS 3
-#define ROWS_MOST 9       /* more add little and cost time */
+#define ROWS_USUAL 6      /* of an arm: more add little and cost time, */
+#define ROWS_MANY 10      /* but a blurred line has less to measure by */
+#define BLUR_LARGE 1.1f   /* px */
 #define SAMPLES 32
 #define BLUR_SAMPLES 10
 #define CONTRAST_LEAST 0.25f /* of the median: less is no line */
@@ -90,8 +94,8 @@ static int plan_node(opms_grid_detector_t *d, int i, int j, unsigned arms, cross
         stretch->profiles = &d->profiles;
         stretch->from = cross_half * slant;
         stretch->to = ARM_END * length;
-        stretch->reach = fminf(0.5f * stretch->width + CLEAR * d->blur + 2.f, 0.42f * pitch);
-        stretch->rows = ROWS_MOST;
+        stretch->reach = fminf(0.5f * stretch->width + CLEAR * d->blur + WHITE_PX, 0.42f * pitch);
+        stretch->rows = d->rows;
         stretch->turn_weight = 0.f;
         stretch->plus = (arms >> (2 * axis)) & 1;
         stretch->minus = (arms >> (2 * axis + 1)) & 1;
@@ -182,47 +186,69 @@ static int fit_node(opms_grid_detector_t *d, int i, int j, unsigned arms, crossi
     return 0;
 }
 
-/* Sum of the residuals' variances of some nodes for a blur; the nodes stay where they are. */
-static float misfit(opms_grid_detector_t *d, const uint16_t *samples, int n, float blur)
+/* Nodes that tell the blur, and what each blur of a ladder leaves unexplained at them. */
+typedef struct blur_trial {
+    uint16_t samples[BLUR_SAMPLES];
+    int sample_count;
+    float misfit[RUNGS]; /* 0: not tried yet */
+} blur_trial_t;
+
+static const float LADDER[RUNGS] = {0.35f, 0.5f, 0.7f, 0.95f, 1.3f, 1.75f, 2.3f};
+
+/* Median noise about the lines of the samples. A blur that is too wide for the arms fits nothing.
+ * A node stays where a fit has moved it: the next fit begins nearer. */
+static float misfit_of(opms_grid_detector_t *d, blur_trial_t *trial, int rung)
 {
-    float values[SAMPLES];
+    float values[BLUR_SAMPLES];
     int count = 0;
-    d->blur = blur;
-    for (int k = 0; k < n; ++k) {
-        const int i = samples[k] % LATTICE, j = samples[k] / LATTICE;
-        lattice_node_t *node = node_at(d, i, j);
-        const vec2_t at = node->at;
+    if (rung < 0 || rung >= RUNGS) {
+        return HUGE_VALF;
+    }
+    if (trial->misfit[rung] > 0.f) {
+        return trial->misfit[rung];
+    }
+    d->blur = LADDER[rung];
+    for (int k = 0; k < trial->sample_count; ++k) {
+        const int i = trial->samples[k] % LATTICE, j = trial->samples[k] / LATTICE;
         crossing_t crossing;
-        if (fit_node(d, i, j, node->arms, &crossing)) {
+        if (fit_node(d, i, j, node_at(d, i, j)->arms, &crossing)) {
             values[count++] = crossing.fit[0].noise + crossing.fit[1].noise;
         }
-        node->at = at;
     }
-    return count >= 4 ? median_of(values, count) : HUGE_VALF;
+    trial->misfit[rung] = count >= 4 ? median_of(values, count) : HUGE_VALF;
+    return trial->misfit[rung];
 }
 
-/* Among a ladder of blurs the one that fits best, and the parabola through it and its neighbours.
- * A blur that is too wide for the arms fits nothing. */
+/* The rung that fits best: down, or else up, from one in the middle as long as that is better. */
+static int best_rung(opms_grid_detector_t *d, blur_trial_t *trial)
+{
+    int best = RUNG_START;
+    while (best > 0 && misfit_of(d, trial, best - 1) <= misfit_of(d, trial, best)) {
+        --best;
+    }
+    while (best < RUNGS - 1 && misfit_of(d, trial, best + 1) < misfit_of(d, trial, best)) {
+        ++best;
+    }
+    return best;
+}
+
+/* The best blur of the ladder, bettered by the parabola through it and its neighbours. */
 static void estimate_blur(opms_grid_detector_t *d)
 {
-    static const float ladder[] = {0.35f, 0.5f, 0.7f, 0.95f, 1.3f, 1.75f, 2.3f};
-    enum { RUNGS = sizeof ladder / sizeof *ladder };
-    uint16_t samples[BLUR_SAMPLES];
-    float values[RUNGS];
-    int n = 0, best = 0;
+    blur_trial_t trial = {.sample_count = 0};
     const int every = d->queue_in / BLUR_SAMPLES + 1;
-    for (int k = every / 2; k < d->queue_in && n < BLUR_SAMPLES; k += every) {
-        samples[n++] = d->queue[k];
+    for (int k = every / 2; k < d->queue_in && trial.sample_count < BLUR_SAMPLES; k += every) {
+        trial.samples[trial.sample_count++] = d->queue[k];
     }
-    for (int k = 0; k < RUNGS; ++k) {
-        values[k] = misfit(d, samples, n, ladder[k]);
-        best = values[k] < values[best] ? k : best;
-    }
-    d->blur = ladder[best];
-    if (best > 0 && best < RUNGS - 1 && isfinite(values[best - 1]) && isfinite(values[best + 1])) {
-        const float bend = values[best - 1] - 2.f * values[best] + values[best + 1];
-        const float part = 0.5f * (values[best - 1] - values[best + 1]) / fmaxf(bend, 1e-9f);
-        d->blur *= powf(ladder[best + 1] / ladder[best], fminf(1.f, fmaxf(-1.f, part)));
+    d->rows = ROWS_MANY;
+    const int best = best_rung(d, &trial);
+    const float before = misfit_of(d, &trial, best - 1), at = misfit_of(d, &trial, best);
+    const float after = misfit_of(d, &trial, best + 1);
+    d->blur = LADDER[best];
+    if (isfinite(before) && isfinite(after)) {
+        const float bend = before - 2.f * at + after;
+        const float part = 0.5f * (before - after) / fmaxf(bend, 1e-9f);
+        d->blur *= powf(LADDER[best + 1] / LADDER[best], fminf(1.f, fmaxf(-1.f, part)));
     }
 }
 
@@ -279,8 +305,8 @@ void fit_nodes(opms_grid_detector_t *d)
     float noises[SAMPLES], contrasts[SAMPLES];
     int count = 0;
     const int every = d->queue_in / SAMPLES + 1;
-    d->blur = BLUR_START;
     estimate_blur(d);
+    d->rows = d->blur < BLUR_LARGE ? ROWS_USUAL : ROWS_MANY;
     for (int k = 0; k < d->queue_in; ++k) {
         const int i = d->queue[k] % LATTICE, j = d->queue[k] / LATTICE;
         lattice_node_t *node = node_at(d, i, j);

@@ -1,20 +1,36 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "grid/valley.h"
 
+#include "grid/grey_inside.h"
+
 /* Grey levels from `from` on, one a pixel; ends at the picture's border. */
-static int read_probe(const view_t *view, vec2_t from, vec2_t unit, int count, float *grey)
+static int read_to_border(const view_t *view, vec2_t from, vec2_t unit, int count, float *grey)
 {
-    const vec2_t end = vec2_add(from, unit, (float)(count - 1));
-    const int whole = view_holds(view, from.x, from.y, 0.0) && view_holds(view, end.x, end.y, 0.0);
-    int n = 0;
-    for (; n < count; ++n) {
+    for (int n = 0; n < count; ++n) {
         const vec2_t at = vec2_add(from, unit, (float)n);
-        if (!whole && !view_holds(view, at.x, at.y, 0.0)) {
-            break;
+        if (!view_holds(view, at.x, at.y, 0.0)) {
+            return n;
         }
         grey[n] = view_bilinear(view, at.x, at.y);
     }
-    return n;
+    return count;
+}
+
+static int read_probe(const view_t *view, vec2_t from, vec2_t unit, int count, float *grey)
+{
+    if (!is_inside(view, from) ||
+        !is_inside(view, vec2_add(from, unit, (float)(count - 1)))) {
+        return read_to_border(view, from, unit, count, grey);
+    }
+    const view_t here = *view; /* which what is written cannot be part of */
+    int x = (int)(from.x * (float)FIXED_ONE), y = (int)(from.y * (float)FIXED_ONE);
+    const int step_x = (int)(unit.x * (float)FIXED_ONE), step_y = (int)(unit.y * (float)FIXED_ONE);
+    for (int n = 0; n < count; ++n) {
+        grey[n] = fixed_grey(&here, x, y);
+        x += step_x;
+        y += step_y;
+    }
+    return count;
 }
 
 /* Vertex of the parabola through three samples. */

@@ -4,30 +4,10 @@
 #ifndef OPMS_GRID_VALLEY_H
 #define OPMS_GRID_VALLEY_H
 
+#include "grid/vec2.h"
 #include "image/view.h"
 
 #define PROBE_MAX 128 /* samples of one probe */
-
-/** A point or direction in the picture. */
-typedef struct vec2 {
-    float x, y;
-} vec2_t;
-
-static inline vec2_t vec2_add(vec2_t a, vec2_t b, float part)
-{
-    const vec2_t sum = {a.x + part * b.x, a.y + part * b.y};
-    return sum;
-}
-
-static inline float vec2_length(vec2_t a)
-{
-    return sqrtf(a.x * a.x + a.y * a.y);
-}
-
-static inline float vec2_cross(vec2_t a, vec2_t b)
-{
-    return a.x * b.y - a.y * b.x;
-}
 
 /** Where a probe meets a valley. */
 typedef struct valley {
