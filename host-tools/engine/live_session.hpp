@@ -12,6 +12,7 @@
 #define OPMS_ENGINE_LIVE_SESSION_HPP
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -53,7 +54,15 @@ struct ScanRequest {
     std::string name;                   /**< empty: date and time */
     std::optional<RecorderOptions> recording; /**< none: nothing is stored */
     std::string settings_json;          /**< goes into the header as it is */
+    /** Mode capture: of the camera's pictures, only those that single_picture() asks for. */
+    bool single_pictures = false;
 };
+
+/** Where records go instead of a Recorder: see scan_sink.hpp. */
+class ScanSink;
+using ScanSinkMaker = std::function<std::shared_ptr<ScanSink>(
+    const RecorderOptions &options, const ScanHeader &header, std::shared_ptr<HostClock> clock,
+    std::string &error)>;
 
 /** Calls from any thread at any time, the destructor excepted. False on failure, with @p error. */
 class LiveSession {
@@ -62,6 +71,9 @@ public:
      * @return NULL where the options do not fit the devices. */
     static std::unique_ptr<LiveSession> create(Devices devices, const SessionOptions &options,
                                                std::string &error);
+    /** The same with recordings of another kind. */
+    static std::unique_ptr<LiveSession> create(Devices devices, const SessionOptions &options,
+                                               const ScanSinkMaker &make_sink, std::string &error);
     /** Stops what goes on, in whatever state. */
     ~LiveSession();
 
@@ -78,10 +90,12 @@ public:
     bool software_stop(ScanEnd *end, std::string &error);
     /** Hardware start by software: simulated and emulated boxes only. */
     bool press_start(std::string &error);
-    /** One picture now, without a box (mode capture). */
+    /** One picture now, without a box (mode capture): waits for it, 5 s at most. In a scan of single
+     * pictures it is its next one; without a scan it can be had by newest(). */
     bool single_picture(std::string &error);
     /** A sensor's sample for the scan that goes on. Times that are not on the scan's axis are
-     * placed by their arrival, with the bound stated. */
+     * placed by their arrival, with the bound stated: record.t_bound_ns says how old the sample may
+     * have been then; 0: not known, and so is the bound. arrival_host_ns 0: now. */
     bool add_sensor_sample(SensorRecord record, std::string &error);
 
     SessionStatus status() const;

@@ -60,6 +60,8 @@ public:
     /** For display only: pictures are left out when there is no time for them. The pose is the
      * picture's own; its pair may not be decided yet. */
     virtual void on_picture(const FramePtr &, const std::shared_ptr<const PoseRecord> &) {}
+    /** Mode calibration, for display: right before the on_picture() of the same picture. */
+    virtual void on_grid(const std::shared_ptr<const GridRecord> &) {}
 };
 
 }  // namespace opms_host
