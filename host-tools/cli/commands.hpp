@@ -21,9 +21,12 @@ enum ExitCode {
 void add_cmd_box(CLI::App &app, int &exit_code);
 void add_cmd_calibrate(CLI::App &app, int &exit_code);
 void add_cmd_camera(CLI::App &app, int &exit_code);
+void add_cmd_catalogue(CLI::App &app, int &exit_code);
+void add_cmd_export(CLI::App &app, int &exit_code);
 void add_cmd_locate(CLI::App &app, int &exit_code);
 void add_cmd_nodes(CLI::App &app, int &exit_code);
 void add_cmd_print(CLI::App &app, int &exit_code);
+void add_cmd_replay(CLI::App &app, int &exit_code);
 void add_cmd_siggen(CLI::App &app, int &exit_code);
 void add_cmd_simulate(CLI::App &app, int &exit_code);
 

@@ -41,6 +41,11 @@ int run(int argc, char **argv)
     add_cmd_simulate(app, exit_code);
 #endif
     add_cmd_box(app, exit_code);
+#ifdef OPMS_CLI_HAVE_SCANS
+    add_cmd_replay(app, exit_code);
+    add_cmd_export(app, exit_code);
+    add_cmd_catalogue(app, exit_code);
+#endif
 #ifdef OPMS_CLI_HAVE_SIGGEN
     add_cmd_siggen(app, exit_code);
 #endif
