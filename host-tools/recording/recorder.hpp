@@ -26,7 +26,8 @@ struct RecorderOptions {
     std::uint32_t picture_queue = 64; /**< pictures that may wait to be written, 1 to 4096 */
     std::uint32_t commit_ms = 250;    /**< 20 to 900 */
     bool edges = true;                /**< store the reference points of each picture */
-    /** Told of what happens to the recording itself (codes "recording...."), by its thread. */
+    /** Told of what happens to the recording itself (codes "recording...."), by its thread. They
+     * are in the recording already: not to be add()ed again. */
     std::function<void(const EventRecord &)> on_event;
 };
 

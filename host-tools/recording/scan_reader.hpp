@@ -33,7 +33,13 @@ struct ScanSummary {
 struct PictureRow {
     std::uint64_t number = 0; /**< of its frame */
     std::string path;         /**< absolute */
+    std::uint64_t bytes = 0;  /**< of the file, as it was stored */
+    std::int64_t crc32 = -1;  /**< of the whole file; -1: not known */
 };
+
+/** Whether a stored picture is as it was stored. @p error says what is wrong with it. */
+bool picture_is_whole(const PictureRow &picture, std::string &error);
+
 
 /** One thread at a time. The each_...() calls go through rows in the order of their making until
  * the function returns false; they return false where the file cannot be read, with @p error. */
