@@ -90,8 +90,8 @@ public:
     bool software_stop(ScanEnd *end, std::string &error);
     /** Hardware start by software: simulated and emulated boxes only. */
     bool press_start(std::string &error);
-    /** One picture now, without a box (mode capture): waits for it, 5 s at most. In a scan of single
-     * pictures it is its next one; without a scan it can be had by newest(). */
+    /** One picture now, without a box (mode capture): waits for it, 5 s at most. In a scan of
+     * single pictures it is its next one; without a scan it can be had by newest(). */
     bool single_picture(std::string &error);
     /** A sensor's sample for the scan that goes on. Times that are not on the scan's axis are
      * placed by their arrival, with the bound stated: record.t_bound_ns says how old the sample may

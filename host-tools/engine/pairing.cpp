@@ -194,7 +194,7 @@ void Pairing::poll(const TakeResult &take)
     }
 }
 
-void Pairing::news(std::int64_t now_host_ns, const TakeEvent &tell)
+void Pairing::news(std::int64_t now_host_ns, bool all, const TakeEvent &tell)
 {
     const opms_pair_summary_t now = summary();
     const auto say = [&](Severity severity, const char *code, std::string text) {
@@ -214,7 +214,7 @@ void Pairing::news(std::int64_t now_host_ns, const TakeEvent &tell)
                 "a picture contradicts the pairing: nothing is paired until it is clear again");
         }
     }
-    if (now_host_ns - told_host_ns_ < 1'000'000'000) {
+    if (!all && now_host_ns - told_host_ns_ < 1'000'000'000) {
         return;
     }
     told_host_ns_ = now_host_ns;

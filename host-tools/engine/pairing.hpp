@@ -37,8 +37,9 @@ public:
 
     /** Hand over what was decided since. To be called after each of the above. */
     void poll(const TakeResult &take);
-    /** What a person should know of since the last call: locks, doubts, missing pictures. */
-    void news(std::int64_t now_host_ns, const TakeEvent &tell);
+    /** What a person should know of since the last call: locks, doubts, missing pictures.
+     * @param all  Also what is told once a second only: nothing follows. */
+    void news(std::int64_t now_host_ns, bool all, const TakeEvent &tell);
 
     /** Counters are those of the session that is open, or was last. */
     opms_pair_summary_t summary() const;

@@ -131,7 +131,7 @@ void SessionCore::advance()
     pairing_.advance(now_ns);
     settle();
     if (pairing_.is_open()) {
-        pairing_.news(now_ns, [this](EventRecord &event) { tell(event); });
+        pairing_.news(now_ns, false, [this](EventRecord &event) { tell(event); });
     }
     tell_recording();
     if (now_ns - published_status_ns_ >= STATUS_EVERY_NS) {
@@ -315,6 +315,7 @@ void SessionCore::close_pairing()
         tell(Severity::error, "pair.sums", error);
     }
     settle();
+    pairing_.news(clock_->now_ns(), true, [this](EventRecord &event) { tell(event); });
 }
 
 ScanEnd SessionCore::scan_end(const std::string &reason) const

@@ -79,6 +79,7 @@ private:
     /* session_locating.cpp */
     void locating_loop();
     void locate(const Work &work);
+    bool is_reported(const Frame &frame);
     void control_light(const Frame &frame, const BarInPicture &bar, PoseRecord &pose);
     void fit_light();
     void tell_light(const PoseRecord &pose);
@@ -130,6 +131,7 @@ private:
     /* Of the locating thread. */
     std::unique_ptr<FrameLocator> locator_;
     std::unique_ptr<LightLoop> light_;
+    std::uint32_t frames_not_reported_ = 0;
     opms_exposure_state_t told_light_ = OPMS_EXPOSURE_SEARCHING;
     std::atomic<bool> camera_is_new_{true};
 

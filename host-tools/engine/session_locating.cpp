@@ -68,6 +68,22 @@ void LiveSession::Impl::fit_light()
     }
 }
 
+/** Whether the camera says how long it exposed. Right after a change some do not. */
+bool LiveSession::Impl::is_reported(const Frame &frame)
+{
+    constexpr std::uint32_t MANY = 30;
+    if (frame.exposure_us > 0) {
+        frames_not_reported_ = 0;
+        return true;
+    }
+    if (++frames_not_reported_ == MANY) {
+        const Lock lock(mutex_);
+        core_.tell(Severity::warning, "light.not_reported",
+                   "the camera does not report its exposure: it is not controlled");
+    }
+    return false;
+}
+
 void LiveSession::Impl::control_light(const Frame &frame, const BarInPicture &bar,
                                       PoseRecord &pose)
 {
@@ -77,10 +93,7 @@ void LiveSession::Impl::control_light(const Frame &frame, const BarInPicture &ba
     if (!light_ || (frame.flags & OPMS_FRAME_DAMAGED)) {
         return;
     }
-    if (!(frame.exposure_us > 0)) {
-        const Lock lock(mutex_);
-        core_.tell_often(Severity::warning, "light.not_reported",
-                         "the camera does not report its exposure: it is not controlled");
+    if (!is_reported(frame)) {
         return;
     }
     const bool shall_set = light_->take(frame, bar.squares_expected, bar.speed_px_s, pose);

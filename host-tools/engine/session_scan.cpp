@@ -6,7 +6,7 @@
 #include <ctime>
 #include <random>
 
-#include <opms/version.h>
+#include "code_versions.hpp"
 
 namespace opms_host {
 namespace {
@@ -108,7 +108,7 @@ ScanHeader LiveSession::Impl::scan_header(const ScanRequest &request,
     header.height_px = traits.height_px;
     header.bar_tilt_rad = options_.bar_tilt_rad;
     header.bar = options_.bar;
-    header.versions_json = std::string("{\"opms\":\"") + opms_version() + "\"}";
+    header.versions_json = code_versions_json();
     header.settings_json = request.settings_json;
     header.has_box = start.with_box;
     if (start.with_box) {
