@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /** @file
- * The three things to be done with the columns of a record (record_columns.hpp): list, bind, read. */
+ * What is done with the columns of a record (record_columns.hpp): they are listed, bound, read. */
 #ifndef OPMS_RECORDING_COLUMN_VISITORS_HPP
 #define OPMS_RECORDING_COLUMN_VISITORS_HPP
 

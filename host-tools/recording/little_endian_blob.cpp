@@ -208,7 +208,8 @@ void blob_write(const std::vector<opms_edge_t> &edges, Blob &blob)
 
 bool blob_read(BlobView blob, std::vector<opms_edge_t> &edges)
 {
-    return read_rows(blob, EDGE_BYTES, edges, [](Take &take, auto &row) { edge_fields(take, row); });
+    return read_rows(blob, EDGE_BYTES, edges,
+                     [](Take &take, auto &row) { edge_fields(take, row); });
 }
 
 void blob_write(const opms_transform_t &transform, Blob &blob)

@@ -97,7 +97,8 @@ bool PictureStore::add(std::uint64_t number, const opms_image_t &image)
     raw.width_px = image.width_px;
     raw.height_px = image.height_px;
     raw.is_16_bit = image.format == OPMS_PIXEL_GREY16;
-    const std::size_t row_bytes = static_cast<std::size_t>(image.width_px) * (raw.is_16_bit ? 2 : 1);
+    const std::size_t pixel_bytes = raw.is_16_bit ? 2 : 1;
+    const std::size_t row_bytes = static_cast<std::size_t>(image.width_px) * pixel_bytes;
     raw.pixels.resize(row_bytes * static_cast<std::size_t>(image.height_px));
     copy_rows(image, row_bytes, raw.pixels);
     const std::lock_guard<std::mutex> guard(mutex_);

@@ -80,7 +80,7 @@ CREATE TABLE sensor_samples (
 )";
 
 /* Version 0 was the draft: no recoveries, no hints, no white level, no sums of the pictures. What
- * it did not know becomes what that means in the records: none, 0, and for sums a -1 that never holds. */
+ * it did not know becomes what that means in the records: none, 0, and -1 for a sum. */
 const char TO_VERSION_1[] = R"(
 CREATE TABLE recoveries (id INTEGER PRIMARY KEY, wall_ns INTEGER, text TEXT NOT NULL) STRICT;
 ALTER TABLE frames ADD COLUMN white_level INTEGER NOT NULL DEFAULT 0;
