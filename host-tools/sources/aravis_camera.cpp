@@ -25,6 +25,22 @@ std::string text_or_empty(const char *text)
     return text ? text : "";
 }
 
+/* The name by which a camera is found again: the list's own. */
+std::string listed_id(ArvCamera *camera, const std::string &otherwise)
+{
+    GFailure failure;
+    const std::string serial =
+        text_or_empty(arv_camera_get_device_serial_number(camera, failure.fresh()));
+    const std::string model = text_or_empty(arv_camera_get_model_name(camera, failure.fresh()));
+    for (unsigned int i = 0; i < arv_get_n_devices(); ++i) {
+        if (text_or_empty(arv_get_device_serial_nbr(i)) == serial &&
+            text_or_empty(arv_get_device_model(i)) == model) {
+            return text_or_empty(arv_get_device_id(i));
+        }
+    }
+    return otherwise;
+}
+
 }  // namespace
 
 std::unique_ptr<AravisCamera> AravisCamera::open(const AravisPlace &place, std::string &error)
@@ -101,7 +117,7 @@ bool AravisCamera::describe(const AravisPlace &place, std::string &error)
 {
     ArvCamera *const camera = camera_.get();
     GFailure failure;
-    id_ = text_or_empty(arv_camera_get_device_id(camera, failure.fresh()));
+    id_ = listed_id(camera, place.name);
     if (!choose_format(place.format, error)) {
         return false;
     }

@@ -88,7 +88,7 @@ void AravisStream::stop()
     if (ending) {
         arv_stream_set_emit_signals(ending.get(), FALSE);
         g_signal_handler_disconnect(ending.get(), handler_);
-        arv_stream_stop_thread(ending.get(), TRUE); /* waits for its thread */
+        ending.reset(); /* waits for its thread */
     }
 }
 
