@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Mode position: bar, pose, light and blur. The pose of the last picture is a hint for the next one;
- * it is told with the pose, so that a replay can give the same hint. */
+/* Mode position: bar, pose, light and blur. The pose of the last picture is a hint for the next
+ * one; it is told with the pose, so that a replay can give the same hint. */
 #include "frame_locator.hpp"
 
 #include <cstdlib>

@@ -23,8 +23,8 @@ struct BarInPicture {
 class FrameLocator {
 public:
     virtual ~FrameLocator() = default;
-    /** Fill in what the picture tells of a pose (its number is there). A damaged picture, or one of another size than the
-     * camera's lens, is not located: what it shows may be of an earlier one. */
+    /** Fill in what the picture tells of a pose (its number is there). A damaged picture, or one of
+     * another size than the camera's lens, is not located: what it shows may be older. */
     virtual void locate(const Frame &frame, PoseRecord &pose, BarInPicture &bar) = 0;
     /** A new scan: no picture from before it is a hint. */
     virtual void forget() = 0;

@@ -17,8 +17,8 @@
 
 namespace opms_host {
 
-/** Poses, states and events go out in the order in which they came in, all of them. Pictures are for
- * a display: only the newest one waits, and it goes out when nothing else does. Any thread. */
+/** Poses, states and events go out in the order in which they came in, all of them. Pictures are
+ * for a display: only the newest one waits, and it goes out when nothing else does. Any thread. */
 class Publisher {
 public:
     /** @param room  Items that may wait before wait_for_room() waits. */
@@ -38,7 +38,8 @@ public:
     void picture(FramePtr picture, std::shared_ptr<const PoseRecord> pose,
                  std::shared_ptr<const GridRecord> grid);
 
-    /** Wait until there is room for more poses: who makes them slows down. @return false: stopped. */
+    /** Wait until there is room for more poses: who makes them slows down.
+     * @return false: stopped. */
     bool wait_for_room();
     /** Whether all that came in has gone out. */
     bool is_idle() const;

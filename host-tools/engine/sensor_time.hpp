@@ -20,8 +20,8 @@ struct ScanAxis {
 /** Place a sample that came without a time on the axis by its arrival.
  *
  * Where the sender states how old it may be at its arrival (record.t_bound_ns on entry), it is
- * placed in the middle of that stretch, and the bound becomes half of it and what the box's clock is
- * not known by. Where he does not, it is placed at its arrival and the bound stays 0: not known.
+ * placed in the middle of that stretch, and the bound becomes half of it and what the box's clock
+ * is not known by. Where he does not, it is placed at its arrival and the bound stays 0: not known.
  * A sample that has a time already stays as it is; so does one from before the start edge is known,
  * without a time. */
 void place_sensor_sample(const ScanAxis &axis, SensorRecord &record);

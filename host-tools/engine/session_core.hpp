@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /** @file
- * All that a session knows: the pairing, the scan that goes on, and where both stand. No threads and
- * no waiting: what comes in is told by the caller, one at a time (LiveSession holds a lock), what
- * comes out goes to the publisher and the scan's sink, which do not wait either. */
+ * All that a session knows: the pairing, the scan that goes on, and where both stand. No threads
+ * and no waiting: what comes in is told by the caller, one at a time (LiveSession holds a lock),
+ * what comes out goes to the publisher and the scan's sink, which do not wait either. */
 #ifndef OPMS_ENGINE_SESSION_CORE_HPP
 #define OPMS_ENGINE_SESSION_CORE_HPP
 

@@ -11,8 +11,8 @@
  * | closing | the end of a scan | the recording |
  *
  * `mutex_` guards the core and the small things beside it. It is never held while a device, a
- * listener or the disk is called; the order of locks is control_, mutex_, those of the publisher and
- * of the recording. */
+ * listener or the disk is called; the order of locks is control_, mutex_, those of the publisher
+ * and of the recording. */
 #ifndef OPMS_ENGINE_SESSION_IMPL_HPP
 #define OPMS_ENGINE_SESSION_IMPL_HPP
 

@@ -118,7 +118,8 @@ struct Tape {
     ScanHeader header;
     ScanEnd end;
     std::vector<std::uint64_t> frames, poses;
-    int triggers = 0, from_history = 0, pairs = 0, clocks = 0, reports = 0, events = 0, after_end = 0;
+    int triggers = 0, from_history = 0, pairs = 0, clocks = 0, reports = 0, events = 0;
+    int after_end = 0;
     std::vector<SensorRecord> samples;
     std::string refuse_begin;
 };

@@ -15,6 +15,12 @@ void tearDown(void) {}
 
 namespace {
 
+bool becomes_idle(const Scene &scene)
+{
+    return eventually(
+        [&scene] { return scene.session->status().state == SessionState::idle; });
+}
+
 void without_a_box_pictures_come_at_once_and_have_no_time(void)
 {
     Scene scene(SessionMode::capture, false);
@@ -59,7 +65,7 @@ void a_number_of_pictures_ends_the_scan_by_itself(void)
     for (int i = 0; i < 9; ++i) {
         scene.free_frame();
     }
-    TEST_ASSERT_TRUE(eventually([&] { return scene.session->status().state == SessionState::idle; }));
+    TEST_ASSERT_TRUE(becomes_idle(scene));
     TEST_ASSERT_EQUAL_UINT64(5, scene.tape->frames.size());
     TEST_ASSERT_EQUAL_STRING("picture_count", scene.tape->end.reason.c_str());
 }
@@ -139,7 +145,7 @@ void a_replay_waits_for_the_scan_and_ends_it(void)
     scene.camera_news(SourceItemKind::end);
     scene.connect();
     scene.begin(true);
-    TEST_ASSERT_TRUE(eventually([&] { return scene.session->status().state == SessionState::idle; }));
+    TEST_ASSERT_TRUE(becomes_idle(scene));
     TEST_ASSERT_EQUAL_UINT64(5, scene.tape->frames.size());
     TEST_ASSERT_EQUAL_STRING("camera.ended", scene.tape->end.reason.c_str());
 }

@@ -1,0 +1,261 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Whole scans in the simulated world, whose truth the session does not see: with all faults at once,
+ * with the bar hidden, and for long. */
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <map>
+#include <thread>
+
+#include <malloc.h>
+
+#include "engine_scene.hpp"
+#include "simulated_world.hpp"
+
+extern "C" {
+#include "unity.h"
+}
+
+using namespace engine_scene;
+
+void setUp(void) {}
+void tearDown(void) {}
+
+namespace {
+
+/* 0.2 mm at 1 m/s. */
+constexpr std::int64_t TIME_ERROR_MOST_NS = 200'000;
+
+bool is_long_run()
+{
+    const char *wish = std::getenv("OPMS_LIVE_LONG");
+    return wish && std::string(wish) == "1";
+}
+
+/** What is kept of a pose: the whole would be too much for a long scan. */
+struct Seen {
+    std::size_t scan = 0;
+    std::uint64_t number = 0, trigger_number = 0;
+    std::int64_t arrival_host_ns = 0, t_scan_ns = 0;
+    opms_frame_state_t frame_state = OPMS_FRAME_NONE;
+    opms_bar_state_t bar_state = OPMS_BAR_ABSENT;
+    bool has_time = false;
+    double position_m[3] = {};
+};
+
+class Watch : public ScanListener {
+public:
+    void on_pose(const std::shared_ptr<const PoseRecord> &pose) override
+    {
+        const std::lock_guard<std::mutex> lock(mutex_);
+        scans_ += pose->number == 1;
+        Seen seen;
+        seen.scan = scans_;
+        seen.number = pose->number;
+        seen.trigger_number = pose->trigger_number;
+        seen.arrival_host_ns = pose->arrival_host_ns;
+        seen.t_scan_ns = pose->t_scan_ns;
+        seen.frame_state = pose->frame_state;
+        seen.bar_state = pose->location.state;
+        seen.has_time = pose->has_time;
+        std::copy_n(pose->location.ground_detector.transform.t_m, 3, seen.position_m);
+        seen_.push_back(seen);
+    }
+    std::vector<Seen> seen() const
+    {
+        const std::lock_guard<std::mutex> lock(mutex_);
+        return seen_;
+    }
+
+private:
+    mutable std::mutex mutex_;
+    std::size_t scans_ = 0;
+    std::vector<Seen> seen_;
+};
+
+struct Outcome {
+    std::vector<Seen> seen;
+    std::vector<std::uint32_t> sessions; /**< of each scan that has poses */
+    int broken_sums = 0, scans = 0;
+    std::uint64_t frames = 0, poses = 0;
+};
+
+/** A sink that keeps what a judge needs. */
+class JudgeSink : public ScanSink {
+public:
+    JudgeSink(Outcome &outcome, std::uint32_t session) : outcome_(outcome), session_(session) {}
+    void add(const FrameRecord &record, const FramePtr &) override
+    {
+        ++outcome_.frames;
+        if (record.number == 1) {
+            outcome_.sessions.push_back(session_);
+        }
+    }
+    void add(const TriggerRecord &) override {}
+    void add(const PairRecord &) override {}
+    void add(const std::shared_ptr<const PoseRecord> &) override { ++outcome_.poses; }
+    void add(const EventRecord &) override {}
+    void add(const ClockRecord &) override {}
+    void add(const BoxReportRecord &) override {}
+    void add(const SensorRecord &) override {}
+    RecorderFigures figures() const override { return {}; }
+    std::string name() const override { return "judge"; }
+    bool end(const ScanEnd &end, std::string &) override
+    {
+        ++outcome_.scans;
+        outcome_.broken_sums += !end.summary.sums_hold ||
+                                end.summary.counters.triggers_pending != 0 ||
+                                end.summary.counters.frames_pending != 0;
+        return true;
+    }
+
+private:
+    Outcome &outcome_; /**< handed over under the session's lock, looked at after its end */
+    std::uint32_t session_;
+};
+
+/** Scan for a time of the world, beginning anew whenever a run has ended by itself. */
+void scan_in(SimulatedWorld &world, const SessionOptions &options, std::int64_t length_s,
+             Outcome &outcome)
+{
+    Devices devices;
+    devices.clock = world.clock();
+    devices.box = world.make_box();
+    devices.source = world.make_source();
+    const ScanSinkMaker make_sink = [&](const RecorderOptions &, const ScanHeader &header,
+                                        std::shared_ptr<HostClock>, std::string &) {
+        return std::make_shared<JudgeSink>(outcome, header.session_id);
+    };
+    std::string error;
+    Watch watch;
+    std::unique_ptr<LiveSession> session =
+        LiveSession::create(std::move(devices), options, make_sink, error);
+    TEST_ASSERT_NOT_NULL_MESSAGE(session.get(), error.c_str());
+    session->add_listener(&watch);
+    TEST_ASSERT_TRUE_MESSAGE(session->connect(error), error.c_str());
+    const std::int64_t end_ns = world.clock()->now_ns() + length_s * 1000 * MS;
+    while (world.clock()->now_ns() < end_ns) {
+        const SessionState state = session->status().state;
+        if (state == SessionState::idle || state == SessionState::interrupted) {
+            ScanRequest request;
+            request.recording = RecorderOptions();
+            session->software_start(request, error); /* the box may be away: then again */
+        }
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    session->software_stop(nullptr, error);
+    session.reset();
+    outcome.seen = watch.seen();
+}
+
+/** @return Poses with a time; none may have a wrong trigger or a wrong time. */
+std::size_t judge(const SimulatedWorld &world, const Outcome &outcome)
+{
+    std::map<std::int64_t, TrueFrame> truth;
+    for (const TrueFrame &frame : world.true_frames()) {
+        truth[frame.arrival_host_ns] = frame;
+    }
+    std::size_t with_time = 0, wrong_triggers = 0, wrong_times = 0, strangers = 0;
+    std::int64_t worst_ns = 0;
+    for (const Seen &seen : outcome.seen) {
+        const auto place = truth.find(seen.arrival_host_ns);
+        if (place == truth.end()) {
+            ++strangers;
+            continue;
+        }
+        if (seen.frame_state == OPMS_FRAME_PAIRED) {
+            wrong_triggers += place->second.trigger_number != seen.trigger_number ||
+                              place->second.session_id != outcome.sessions[seen.scan - 1];
+        }
+        if (seen.has_time) {
+            std::int64_t true_ns = 0;
+            const bool is_known = world.true_scan_time(place->second, true_ns);
+            const std::int64_t error_ns = std::llabs(seen.t_scan_ns - true_ns);
+            worst_ns = std::max(worst_ns, error_ns);
+            wrong_times += !is_known || error_ns > TIME_ERROR_MOST_NS;
+            ++with_time;
+        }
+    }
+    std::printf("%zu pictures, %zu with a time, %d scans, worst time error %.1f us\n",
+                outcome.seen.size(), with_time, outcome.scans,
+                static_cast<double>(worst_ns) * 1e-3);
+    TEST_ASSERT_EQUAL_UINT64(0, strangers);
+    TEST_ASSERT_EQUAL_UINT64(0, wrong_triggers);
+    TEST_ASSERT_EQUAL_UINT64(0, wrong_times);
+    TEST_ASSERT_EQUAL_INT(0, outcome.broken_sums);
+    TEST_ASSERT_EQUAL_UINT64(outcome.frames, outcome.poses);
+    TEST_ASSERT_EQUAL_UINT64(outcome.frames, outcome.seen.size());
+    return with_time;
+}
+
+WorldOptions fast_world(std::uint64_t seed)
+{
+    WorldOptions options;
+    options.speed = 0;
+    options.seed = seed;
+    options.start_after_s = 0.5;
+    options.pictures = PictureMode::blank;
+    return options;
+}
+
+SessionOptions pictures_only()
+{
+    SessionOptions options;
+    options.mode = SessionMode::capture;
+    return options;
+}
+
+void ten_minutes_with_all_faults_give_no_wrong_trigger_and_no_wrong_time(void)
+{
+    WorldOptions options = fast_world(7);
+    options.faults = FaultRates::many();
+    std::string error;
+    const auto world = SimulatedWorld::create(options, error);
+    TEST_ASSERT_NOT_NULL_MESSAGE(world.get(), error.c_str());
+    Outcome outcome;
+    scan_in(*world, pictures_only(), 600, outcome);
+    TEST_ASSERT_TRUE(judge(*world, outcome) > 2000);
+    TEST_ASSERT_TRUE(outcome.scans > 1);
+}
+
+void an_undisturbed_scan_gives_each_pulse_its_pose(void)
+{
+    WorldOptions options = fast_world(3);
+    std::string error;
+    const auto world = SimulatedWorld::create(options, error);
+    TEST_ASSERT_NOT_NULL_MESSAGE(world.get(), error.c_str());
+    Outcome outcome;
+    scan_in(*world, pictures_only(), 60, outcome);
+    const std::size_t with_time = judge(*world, outcome);
+    TEST_ASSERT_TRUE(with_time >= 550);
+    TEST_ASSERT_TRUE(outcome.frames - with_time <= 6); /* those of the preamble */
+}
+
+/** 2,000 triggers; 36,000 with OPMS_LIVE_LONG=1. The second half needs no more memory than what the
+ * judge itself keeps. */
+void a_long_scan_needs_no_more_memory_as_it_goes_on(void)
+{
+    WorldOptions options = fast_world(5);
+    options.faults = FaultRates::some();
+    options.faults[Mishap::box_reboot] = 0;
+    std::string error;
+    const auto world = SimulatedWorld::create(options, error);
+    TEST_ASSERT_NOT_NULL_MESSAGE(world.get(), error.c_str());
+    Outcome outcome;
+    const std::int64_t length_s = is_long_run() ? 3600 : 200;
+    scan_in(*world, pictures_only(), length_s, outcome);
+    judge(*world, outcome);
+    TEST_ASSERT_TRUE(outcome.frames > static_cast<std::uint64_t>(length_s) * 9);
+}
+
+}  // namespace
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(an_undisturbed_scan_gives_each_pulse_its_pose);
+    RUN_TEST(ten_minutes_with_all_faults_give_no_wrong_trigger_and_no_wrong_time);
+    RUN_TEST(a_long_scan_needs_no_more_memory_as_it_goes_on);
+    return UNITY_END();
+}
