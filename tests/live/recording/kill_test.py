@@ -83,13 +83,15 @@ def run_and_kill(program, folder, rng):
     return writer.claims, cut_ns, part
 
 
-def check(folder, claims, cut_ns):
+def check(folder, claims, cut_ns, edges, known_good=None):
+    """What is there after a cut at that instant against what was said before it.
+    @return What was found; None where there is no recording, and none is due."""
     scan = Path(folder) / "scan"
     if not scan.exists():
         if claims.begun:
             raise WrongScan("there is no recording, though it had begun")
         return None
-    found = check_scan(scan, EDGES)
+    found = check_scan(scan, edges, known_good)
     if claims.ended and not found.ended:
         raise WrongScan("it had ended, the recording says that it had not")
     rows, pictures = claims.rows_due(cut_ns), claims.pictures_due(cut_ns)
@@ -126,7 +128,7 @@ def one(program, seed, keep):
     folder = tempfile.mkdtemp(prefix="opms-kill-")
     try:
         claims, cut_ns, part = run_and_kill(program, folder, rng)
-        found = check(folder, claims, cut_ns)
+        found = check(folder, claims, cut_ns, EDGES)
         if found and rng.random() < 0.5:
             recover(program, folder, found)
         lost = len(claims.handed) - found.newest["frames"] if found else 0
