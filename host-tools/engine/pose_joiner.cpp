@@ -15,7 +15,7 @@ PoseJoiner::Slot *PoseJoiner::at(std::uint64_t number)
     return &slots_[number - first_];
 }
 
-void PoseJoiner::expect(std::uint64_t number)
+void PoseJoiner::expect(std::uint64_t number, double exposure_us)
 {
     if (slots_.empty()) {
         first_ = number;
@@ -23,6 +23,7 @@ void PoseJoiner::expect(std::uint64_t number)
     while (first_ + slots_.size() <= number) {
         slots_.emplace_back();
     }
+    slots_.back().exposure_us = exposure_us;
 }
 
 bool PoseJoiner::located(std::unique_ptr<PoseRecord> pose)
@@ -54,7 +55,7 @@ std::unique_ptr<PoseRecord> PoseJoiner::take(const opms_clock_t *box_clock)
     const Slot &slot = slots_.front();
     std::unique_ptr<PoseRecord> pose = std::move(slots_.front().pose);
     if (slot.is_decided) {
-        set_pose_times(slot.pair, box_clock, *pose);
+        set_pose_times(slot.pair, slot.exposure_us, box_clock, *pose);
     }
     slots_.pop_front();
     ++first_;

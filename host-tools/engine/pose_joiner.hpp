@@ -20,8 +20,9 @@ public:
     /** @param with_pairs  false: without a box a picture is complete once it is located. */
     explicit PoseJoiner(bool with_pairs) : with_pairs_(with_pairs) {}
 
-    /** A picture came. Numbers count up by one. */
-    void expect(std::uint64_t number);
+    /** A picture came. Numbers count up by one.
+     * @param exposure_us  As the frame reports it; NaN: it does not. */
+    void expect(std::uint64_t number, double exposure_us);
     /** It was located. @return false: not expected, or located before. */
     bool located(std::unique_ptr<PoseRecord> pose);
     /** Its pair is decided. @return false: not expected, or decided before. */
@@ -37,6 +38,7 @@ private:
     struct Slot {
         std::unique_ptr<PoseRecord> pose;
         opms_pair_result_t pair{};
+        double exposure_us = NOT_KNOWN;
         bool is_decided = false;
     };
     Slot *at(std::uint64_t number);

@@ -191,7 +191,7 @@ std::uint64_t SessionCore::take_frame(const FramePtr &frame)
     record.white_level = frame->image.white_level;
     ++counts_.frames;
     scan_->last_frame_ns = clock_->now_ns();
-    scan_->joiner.expect(record.number);
+    scan_->joiner.expect(record.number, frame->exposure_us);
     if (scan_->sink) {
         scan_->sink->add(record, frame);
     }

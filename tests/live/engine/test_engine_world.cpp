@@ -62,6 +62,11 @@ public:
         std::copy_n(pose->location.ground_detector.transform.t_m, 3, seen.position_m);
         seen_.push_back(seen);
     }
+    std::size_t count() const
+    {
+        const std::lock_guard<std::mutex> lock(mutex_);
+        return seen_.size();
+    }
     std::vector<Seen> seen() const
     {
         const std::lock_guard<std::mutex> lock(mutex_);
@@ -115,8 +120,8 @@ private:
     std::uint32_t session_;
 };
 
-/** Scan for a time of the world, beginning anew whenever a run has ended by itself. */
-void scan_in(SimulatedWorld &world, const SessionOptions &options, std::int64_t length_s,
+/** Scan until so many pictures have come, beginning anew whenever a run has ended by itself. */
+void scan_in(SimulatedWorld &world, const SessionOptions &options, std::size_t pictures,
              Outcome &outcome)
 {
     Devices devices;
@@ -134,8 +139,7 @@ void scan_in(SimulatedWorld &world, const SessionOptions &options, std::int64_t 
     TEST_ASSERT_NOT_NULL_MESSAGE(session.get(), error.c_str());
     session->add_listener(&watch);
     TEST_ASSERT_TRUE_MESSAGE(session->connect(error), error.c_str());
-    const std::int64_t end_ns = world.clock()->now_ns() + length_s * 1000 * MS;
-    while (world.clock()->now_ns() < end_ns) {
+    while (watch.count() < pictures) {
         const SessionState state = session->status().state;
         if (state == SessionState::idle || state == SessionState::interrupted) {
             ScanRequest request;
@@ -214,8 +218,8 @@ void ten_minutes_with_all_faults_give_no_wrong_trigger_and_no_wrong_time(void)
     const auto world = SimulatedWorld::create(options, error);
     TEST_ASSERT_NOT_NULL_MESSAGE(world.get(), error.c_str());
     Outcome outcome;
-    scan_in(*world, pictures_only(), 600, outcome);
-    TEST_ASSERT_TRUE(judge(*world, outcome) > 2000);
+    scan_in(*world, pictures_only(), 6000, outcome);
+    TEST_ASSERT_TRUE(judge(*world, outcome) > 4000);
     TEST_ASSERT_TRUE(outcome.scans > 1);
 }
 
@@ -226,9 +230,8 @@ void an_undisturbed_scan_gives_each_pulse_its_pose(void)
     const auto world = SimulatedWorld::create(options, error);
     TEST_ASSERT_NOT_NULL_MESSAGE(world.get(), error.c_str());
     Outcome outcome;
-    scan_in(*world, pictures_only(), 60, outcome);
+    scan_in(*world, pictures_only(), 600, outcome);
     const std::size_t with_time = judge(*world, outcome);
-    TEST_ASSERT_TRUE(with_time >= 550);
     TEST_ASSERT_TRUE(outcome.frames - with_time <= 6); /* those of the preamble */
 }
 
@@ -243,10 +246,8 @@ void a_long_scan_needs_no_more_memory_as_it_goes_on(void)
     const auto world = SimulatedWorld::create(options, error);
     TEST_ASSERT_NOT_NULL_MESSAGE(world.get(), error.c_str());
     Outcome outcome;
-    const std::int64_t length_s = is_long_run() ? 3600 : 200;
-    scan_in(*world, pictures_only(), length_s, outcome);
+    scan_in(*world, pictures_only(), is_long_run() ? 36000 : 2000, outcome);
     judge(*world, outcome);
-    TEST_ASSERT_TRUE(outcome.frames > static_cast<std::uint64_t>(length_s) * 9);
 }
 
 }  // namespace
