@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "calib/normal_equations.h"
 
+#include <algorithm>
 #include <cmath>
+#include <cstring>
 
+#include "calib/cockle_powers.h"
+#include "calib/point_rows.h"
 #include "lens/lens_fast.h"
 
 namespace opms::calib
@@ -11,19 +15,15 @@ namespace opms::calib
 namespace
 {
 
-/* x^i y^j of the cockle, lowest degree first: a plane's own terms belong to the pose. */
-constexpr int POWERS[OPMS_CALIB_COCKLE_TERMS][2] = {{2, 0}, {1, 1}, {0, 2}, {3, 0}, {2, 1}, {1, 2},
-                                                    {0, 3}, {4, 0}, {3, 1}, {2, 2}, {1, 3}, {0, 4}};
-
 void cockle_terms(double cockle_scale_m, double X, double Y, double *terms)
 {
-    double x[5] = {1.0}, y[5] = {1.0};
-    for (int i = 1; i < 5; ++i) {
+    double x[COCKLE_DEGREE + 1] = {1.0}, y[COCKLE_DEGREE + 1] = {1.0};
+    for (int i = 1; i <= COCKLE_DEGREE; ++i) {
         x[i] = x[i - 1] * X / cockle_scale_m;
         y[i] = y[i - 1] * Y / cockle_scale_m;
     }
     for (int k = 0; k < OPMS_CALIB_COCKLE_TERMS; ++k) {
-        terms[k] = x[POWERS[k][0]] * y[POWERS[k][1]];
+        terms[k] = x[COCKLE_POWERS[k][0]] * y[COCKLE_POWERS[k][1]];
     }
 }
 
@@ -91,107 +91,95 @@ double squared_sigmas(const Seen &seen, double sigma_px)
            (sigma_px * sigma_px);
 }
 
-/* d(u, v)/d(shared), each row with its zeros. */
-template <int S>
-void shared_rows(const View &view, const opms_calib_point_t &point, const Seen &seen,
-                 const double to_camera[2][3], Eigen::Matrix<double, 2, S> &rows)
+point_view_t point_view(const Shape &shape, const Rigid &pose, double scale,
+                        double cockle_scale_m, Weights weights)
 {
-    const double r2 = seen.x * seen.x + seen.y * seen.y;
-    const double fx = view.shape.lens.fx_px, fy = view.shape.lens.fy_px;
-    rows.template leftCols<LENS>() << seen.bend.xd, 0.0, 1.0, 0.0, fx * seen.x * r2,
-        fx * seen.x * r2 * r2, fx * 2.0 * seen.x * seen.y, fx * (r2 + 2.0 * seen.x * seen.x), //
-        0.0, seen.bend.yd, 0.0, 1.0, fy * seen.y * r2, fy * seen.y * r2 * r2,
-        fy * (r2 + 2.0 * seen.y * seen.y), fy * 2.0 * seen.x * seen.y;
-    if constexpr (S > LENS) {
-        double terms[OPMS_CALIB_COCKLE_TERMS];
-        cockle_terms(view.cockle_scale_m, point.target_m[0], point.target_m[1], terms);
-        const Vec3 up = view.camera_from_target.col(2);
-        for (int row = 0; row < 2; ++row) {
-            const double slope = to_camera[row][0] * up.x() + to_camera[row][1] * up.y() +
-                                 to_camera[row][2] * up.z();
-            for (int k = 0; k < OPMS_CALIB_COCKLE_TERMS; ++k) {
-                rows(row, LENS + k) = slope * terms[k];
-            }
-        }
+    point_view_t view = {};
+    const Mat3 camera_from_target = pose.R.transpose();
+    Eigen::Map<algebra::RowMajor<3, 3>>(view.R) = camera_from_target;
+    Eigen::Map<Vec3>(view.origin) = -(camera_from_target * pose.t);
+    view.lens = shape.lens;
+    view.cockle = shape.cockle;
+    view.cockle_scale_m = cockle_scale_m;
+    view.window2 = TUKEY * TUKEY * scale * scale;
+    view.inliers_only = weights == Weights::Inliers;
+    view.inlier_rest = std::sqrt(INLIER_WEIGHT);
+    return view;
+}
+
+/* Call with each block of a picture's points in turn: first, and how many. */
+template <typename Each>
+void each_block(const Picture &picture, uint32_t stride, const Each &each)
+{
+    const uint32_t count = (picture.count + stride - 1) / stride;
+    for (uint32_t i = 0; i < count; i += GRAM_ROWS) {
+        each(picture.points + i * stride, (int)std::min<uint32_t>(GRAM_ROWS, count - i));
     }
 }
 
-/* d(u, v)/d(camera coordinates). */
-void camera_gradient(const View &view, const Seen &seen, double jac[2][3])
-{
-    const double fx = view.shape.lens.fx_px / seen.camera.z();
-    const double fy = view.shape.lens.fy_px / seen.camera.z();
-    jac[0][0] = fx * seen.bend.xx;
-    jac[0][1] = fx * seen.bend.xy;
-    jac[0][2] = -(jac[0][0] * seen.x + jac[0][1] * seen.y);
-    jac[1][0] = fy * seen.bend.xy;
-    jac[1][1] = fy * seen.bend.yy;
-    jac[1][2] = -(jac[1][0] * seen.x + jac[1][1] * seen.y);
-}
-
-/* d(u, v)/d(w, d): the camera point moves by p x w and by -R_camera_target d. */
-void pose_rows(const View &view, const Seen &seen, const double jac[2][3],
-               Eigen::Matrix<double, 2, 6> &rows)
-{
-    for (int row = 0; row < 2; ++row) {
-        const Vec3 g(jac[row][0], jac[row][1], jac[row][2]);
-        rows.row(row).head<3>() = g.cross(seen.camera);
-        rows.row(row).tail<3>() = -(view.camera_from_target.transpose() * g);
-    }
-}
-
-/* The same sums with their sizes known, for the loop over the points. */
+/* The columns of a block of points, and what is summed up of them, for u and v. */
 template <int S>
-struct Sums {
-    Eigen::Matrix<double, S, S> shared = Eigen::Matrix<double, S, S>::Zero();
-    Eigen::Matrix<double, 6, S> coupling = Eigen::Matrix<double, 6, S>::Zero();
-    Mat6 pose = Mat6::Zero();
-    Eigen::Matrix<double, S, 1> shared_gradient = Eigen::Matrix<double, S, 1>::Zero();
-    Vec6 pose_gradient = Vec6::Zero();
+struct Columns {
+    static constexpr int POSE = LENS_COLUMNS + S - LENS, RESIDUAL = POSE + 6;
+    static constexpr int COUNT = (RESIDUAL + 2) / 2 * 2; // even: the last one may stay empty
+    double at[2][COUNT][GRAM_ROWS] = {};
+    double gram[2][COUNT * COUNT] = {};
 };
 
-template <int S>
-void add_point(const View &view, const opms_calib_point_t &point, const Seen &seen, double weight,
-               Sums<S> &sums)
+/* Which of the shared unknowns a column belongs to. */
+int shared_of(int axis, int column)
 {
-    double jac[2][3];
-    camera_gradient(view, seen, jac);
-    Eigen::Matrix<double, 2, S> shared;
-    Eigen::Matrix<double, 2, 6> pose;
-    shared_rows<S>(view, point, seen, jac, shared);
-    pose_rows(view, seen, jac, pose);
-    const double information = weight / (point.sigma_px * point.sigma_px);
-    const Eigen::Vector2d pull(information * seen.residual[0], information * seen.residual[1]);
-    const Eigen::Matrix<double, 2, 6> weighted = information * pose;
-    sums.shared.noalias() += (information * shared).transpose().lazyProduct(shared);
-    sums.coupling.noalias() += weighted.transpose().lazyProduct(shared);
-    sums.pose.noalias() += weighted.transpose().lazyProduct(pose);
-    sums.shared_gradient.noalias() -= shared.transpose() * pull;
-    sums.pose_gradient.noalias() -= pose.transpose() * pull;
+    return column < 2 ? 2 * column + axis : column + 2;
 }
 
 template <int S>
-void sum_points(const Picture &picture, const View &view, double scale, uint32_t stride,
-                Weights weights, PictureEquations &equations)
+void write_equations(const Columns<S> &columns, PictureEquations &equations)
 {
-    Sums<S> sums;
-    for (uint32_t i = 0; i < picture.count; i += stride) {
-        const opms_calib_point_t &point = picture.points[i];
-        const Seen seen = view.look(point);
-        const Pull pull = tukey(squared_sigmas(seen, point.sigma_px), scale);
-        equations.in_front = equations.in_front && seen.in_front;
-        equations.cost += pull.cost;
-        const double weight =
-            weights == Weights::Robust ? pull.weight : (pull.weight >= INLIER_WEIGHT ? 1.0 : 0.0);
-        if (weight > 0.0) {
-            add_point<S>(view, point, seen, weight, sums);
+    using C = Columns<S>;
+    std::memset(equations.shared, 0, sizeof equations.shared);
+    std::memset(equations.coupling, 0, sizeof equations.coupling);
+    std::memset(equations.shared_gradient, 0, sizeof equations.shared_gradient);
+    equations.pose.setZero();
+    equations.pose_gradient.setZero();
+    for (int axis = 0; axis < 2; ++axis) {
+        const auto sum = [&](int a, int b) {
+            return columns.gram[axis][std::min(a, b) * C::COUNT + std::max(a, b)];
+        };
+        for (int a = 0; a < C::POSE; ++a) {
+            const int i = shared_of(axis, a);
+            for (int b = 0; b < C::POSE; ++b) {
+                equations.shared[i * S + shared_of(axis, b)] += sum(a, b);
+            }
+            for (int k = 0; k < 6; ++k) {
+                equations.coupling[i * 6 + k] += sum(a, C::POSE + k);
+            }
+            equations.shared_gradient[i] -= sum(a, C::RESIDUAL);
+        }
+        for (int k = 0; k < 6; ++k) {
+            for (int l = 0; l < 6; ++l) {
+                equations.pose(k, l) += sum(C::POSE + k, C::POSE + l);
+            }
+            equations.pose_gradient[k] -= sum(C::POSE + k, C::RESIDUAL);
         }
     }
-    Eigen::Map<Eigen::Matrix<double, S, S>>(equations.shared) = sums.shared;
-    Eigen::Map<Eigen::Matrix<double, 6, S>>(equations.coupling) = sums.coupling;
-    Eigen::Map<Eigen::Matrix<double, S, 1>>(equations.shared_gradient) = sums.shared_gradient;
-    equations.pose = sums.pose;
-    equations.pose_gradient = sums.pose_gradient;
+}
+
+template <int S>
+void sum_points(const Picture &picture, const point_view_t &view, uint32_t stride,
+                PictureEquations &equations)
+{
+    using C = Columns<S>;
+    C columns;
+    int in_front = 1;
+    equations.cost = 0.0;
+    each_block(picture, stride, [&](const opms_calib_point_t *points, int n) {
+        equations.cost += point_rows(&view, points, stride, n, columns.at[0][0],
+                                     C::COUNT * GRAM_ROWS, &in_front);
+        gram_add(columns.at[0][0], C::COUNT, columns.gram[0]);
+        gram_add(columns.at[1][0], C::COUNT, columns.gram[1]);
+    });
+    equations.in_front = in_front && std::isfinite(equations.cost);
+    write_equations(columns, equations);
 }
 
 } // namespace
@@ -213,30 +201,25 @@ void sum_equations(const Picture &picture, const Shape &shape, const Rigid &pose
                    double cockle_scale_m, uint32_t stride, Weights weights,
                    PictureEquations &equations)
 {
-    const View view(shape, pose, cockle_scale_m);
-    equations.cost = 0.0;
-    equations.in_front = true;
+    point_view_t view = point_view(shape, pose, scale, cockle_scale_m, weights);
     if (equations.size == LENS) {
-        sum_points<LENS>(picture, view, scale, stride, weights, equations);
+        sum_points<LENS>(picture, view, stride, equations);
     } else {
-        sum_points<SHARED>(picture, view, scale, stride, weights, equations);
+        view.cockle_columns = OPMS_CALIB_COCKLE_TERMS;
+        sum_points<SHARED>(picture, view, stride, equations);
     }
-    equations.in_front = equations.in_front && std::isfinite(equations.cost);
 }
 
 double picture_cost(const Picture &picture, const Shape &shape, const Rigid &pose, double scale,
                     double cockle_scale_m, uint32_t stride)
 {
-    const View view(shape, pose, cockle_scale_m);
+    const point_view_t view = point_view(shape, pose, scale, cockle_scale_m, Weights::Robust);
     double cost = 0.0;
-    for (uint32_t i = 0; i < picture.count; i += stride) {
-        const Seen seen = view.look(picture.points[i]);
-        if (!seen.in_front) {
-            return HUGE_VAL;
-        }
-        cost += tukey(squared_sigmas(seen, picture.points[i].sigma_px), scale).cost;
-    }
-    return std::isfinite(cost) ? cost : HUGE_VAL;
+    int in_front = 1;
+    each_block(picture, stride, [&](const opms_calib_point_t *points, int n) {
+        cost += point_costs(&view, points, stride, n, &in_front);
+    });
+    return in_front && std::isfinite(cost) ? cost : HUGE_VAL;
 }
 
 void picture_residuals(const Picture &picture, const Shape &shape, double scale,
