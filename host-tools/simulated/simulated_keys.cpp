@@ -2,9 +2,11 @@
 /* The keys of "simulated:key=value,...". */
 #include "simulated_factory.hpp"
 
-#include <cstdlib>
+#include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <functional>
+#include <limits>
 #include <sstream>
 #include <vector>
 
@@ -48,7 +50,8 @@ template <typename Whole> Setter whole(Whole WorldOptions::*field)
 {
     return [field](WorldOptions &options, const std::string &text) -> std::string {
         double value = 0;
-        if (!read_number(text, value) || value < 0 || value > 4e9 || value != std::floor(value)) {
+        const double most = std::min(9e15, static_cast<double>(std::numeric_limits<Whole>::max()));
+        if (!read_number(text, value) || value < 0 || value > most || value != std::floor(value)) {
             return "is no whole number of at least 0";
         }
         options.*field = static_cast<Whole>(value);

@@ -85,6 +85,12 @@ std::vector<TrueRun> SimulatedWorld::true_runs() const
     return core_->now([](WorldCore &world) { return world.truth().runs(); });
 }
 
+TrueFrame SimulatedWorld::true_frame(std::uint64_t arrival_index) const
+{
+    return core_->now(
+        [&](WorldCore &world) { return world.truth().frames().at(arrival_index); });
+}
+
 TruePose SimulatedWorld::true_pose(std::uint32_t picture) const
 {
     return core_->pose(picture);

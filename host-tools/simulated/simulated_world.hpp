@@ -48,8 +48,10 @@ public:
     std::vector<TrueTrigger> true_triggers() const;
     std::vector<TrueFrame> true_frames() const;
     std::vector<TrueRun> true_runs() const;
+    /** The frame that wait() gave as number @p arrival_index, from 0. It must have come. */
+    TrueFrame true_frame(std::uint64_t arrival_index) const;
     TruePose true_pose(std::uint32_t picture) const;
-    /** Middle of the exposure since START's edge. @return false where no trigger of a run did it. */
+    /** Middle of the exposure since START's edge. @return false where no run's trigger did it. */
     bool true_scan_time(const TrueFrame &frame, std::int64_t &t_scan_ns) const;
 
 private:

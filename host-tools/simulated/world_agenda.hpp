@@ -30,7 +30,10 @@ public:
         actions_.emplace(std::make_pair(std::max(t_ns, now_ns_), ++count_), std::move(action));
     }
     void after(std::int64_t delay_ns, Action action) { at(now_ns_ + delay_ns, std::move(action)); }
-    std::int64_t next_ns() const { return actions_.empty() ? NEVER : actions_.begin()->first.first; }
+    std::int64_t next_ns() const
+    {
+        return actions_.empty() ? NEVER : actions_.begin()->first.first;
+    }
     /** Do the next one; there must be one. */
     void run_next()
     {

@@ -38,7 +38,8 @@ struct BoxClock {
     std::int64_t true_ns(std::int64_t cycles) const
     {
         const auto passed = static_cast<double>(cycles * NS_PER_CYCLE);
-        return boot_ns + static_cast<std::int64_t>(std::ceil(passed - passed * drift / (1 + drift)));
+        const double true_passed = passed - passed * drift / (1 + drift);
+        return boot_ns + static_cast<std::int64_t>(std::ceil(true_passed));
     }
 };
 

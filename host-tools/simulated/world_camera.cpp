@@ -173,8 +173,9 @@ std::uint64_t WorldCamera::ticks(std::int64_t true_ns) const
         return 0;
     }
     const double passed_s = static_cast<double>(true_ns - powered_ns_) * 1e-9;
-    return static_cast<std::uint64_t>(std::llround(passed_s * (1 + options_.camera_drift_ppm * 1e-6) *
-                                                   static_cast<double>(options_.camera_tick_hz)));
+    const double rate_hz =
+        static_cast<double>(options_.camera_tick_hz) * (1 + options_.camera_drift_ppm * 1e-6);
+    return static_cast<std::uint64_t>(std::llround(passed_s * rate_hz));
 }
 
 /** A camera that still exposes does not see the trigger. */

@@ -45,8 +45,8 @@ public:
         bell_->changed.notify_all();  // they wake when the lock is free
         return work(*this);
     }
-    /** Wait until @p take gets something, @p timeout_ms have passed in the world (and, with speed 0,
-     * not more than that in ours), or a wake(). @return Whether it got something. */
+    /** Wait until @p take gets something, @p timeout_ms have passed in the world (and, with speed
+     * 0, not more than that in ours), or a wake(). @return Whether it got something. */
     bool wait_for(Consumer who, std::uint32_t timeout_ms, const std::function<bool()> &take);
     void wake(Consumer who);
     /** It will not wait any more: time need not wait for it. */

@@ -58,8 +58,9 @@ PathPoint DetectorPath::at(double t_s) const
 {
     const double w = 2 * sim::PI / duration_s_, t = std::fmod(t_s, duration_s_);
     const Moving y = Moving{-sweep_m_, 0} + swing(2 * sweep_m_, sweeps_, w, t);
-    const Moving x = Moving{0.44, 0} + swing(-0.18 * scale_, 1, w, t) + lean(0.02 * scale_, 1, w, t);
-    const Moving z = Moving{0.02, 0} + swing(0.10 * scale_, 1, w, t) + lean(0.015 * scale_, 1, w, t);
+    const double s = scale_;
+    const Moving x = Moving{0.44, 0} + swing(-0.18 * s, 1, w, t) + lean(0.02 * s, 1, w, t);
+    const Moving z = Moving{0.02, 0} + swing(0.10 * s, 1, w, t) + lean(0.015 * s, 1, w, t);
     const double deg = sim::RAD * scale_;
     const Moving psi = swing(6 * deg, sweeps_, w, t) + lean(2 * deg, 1, w, t);
     const Moving phi = swing(4 * deg, 1, w, t) + lean(-2 * deg, 1, w, t);
