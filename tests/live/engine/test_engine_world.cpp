@@ -41,7 +41,8 @@ struct Seen {
     opms_frame_state_t frame_state = OPMS_FRAME_NONE;
     opms_bar_state_t bar_state = OPMS_BAR_ABSENT;
     bool has_time = false;
-    double position_m[3] = {};
+    double camera_m[3] = {}; /**< in the bar's frame */
+    std::size_t bytes_held = 0; /**< by the program, then; 0 where that cannot be known */
 };
 
 class Watch : public ScanListener {
@@ -59,7 +60,8 @@ public:
         seen.frame_state = pose->frame_state;
         seen.bar_state = pose->location.state;
         seen.has_time = pose->has_time;
-        std::copy_n(pose->location.ground_detector.transform.t_m, 3, seen.position_m);
+        std::copy_n(pose->location.pose.bar_camera.transform.t_m, 3, seen.camera_m);
+        seen.bytes_held = mallinfo2().uordblks;
         seen_.push_back(seen);
     }
     std::size_t count() const
@@ -248,6 +250,60 @@ void a_long_scan_needs_no_more_memory_as_it_goes_on(void)
     Outcome outcome;
     scan_in(*world, pictures_only(), is_long_run() ? 36000 : 2000, outcome);
     judge(*world, outcome);
+    /* The world's truth and the judge's notes grow by some 300 bytes a picture, in jumps. */
+    const Seen &half = outcome.seen[outcome.seen.size() / 2], &last = outcome.seen.back();
+    const double bytes = static_cast<double>(last.bytes_held) - static_cast<double>(half.bytes_held);
+    const double each = bytes / (static_cast<double>(outcome.seen.size()) / 2);
+    std::printf("%.0f bytes more for each picture of the second half\n", each);
+    TEST_ASSERT_TRUE(each < 1000);
+}
+
+/** The bar is hidden for a while, at 10 Hz: no picture shows it then, and the first that does gives
+ * a right pose. */
+void the_first_picture_that_shows_the_bar_again_gives_a_right_pose(void)
+{
+    WorldOptions options = fast_world(11);
+    options.pictures = PictureMode::lazy;
+    options.frames = 8;
+    options.path_period_s = 0.1;
+    options.max_speed_m_s = 0.3;
+    double at_s = 1;
+    for (const double length_s : {0.1, 0.5, 3.0, is_long_run() ? 60.0 : 6.0}) {
+        options.planned.push_back({Mishap::hide_bar, at_s, length_s});
+        at_s += length_s + 1;
+    }
+    std::string error;
+    const auto world = SimulatedWorld::create(options, error);
+    TEST_ASSERT_NOT_NULL_MESSAGE(world.get(), error.c_str());
+    SessionOptions session;
+    session.camera = world->camera();
+    Outcome outcome;
+    scan_in(*world, session, static_cast<std::size_t>(at_s * 10), outcome);
+    judge(*world, outcome);
+    std::map<std::int64_t, TrueFrame> truth;
+    for (const TrueFrame &frame : world->true_frames()) {
+        truth[frame.arrival_host_ns] = frame;
+    }
+    int hidden = 0, returns = 0;
+    bool was_hidden = false;
+    for (const Seen &seen : outcome.seen) {
+        const TrueFrame &frame = truth.at(seen.arrival_host_ns);
+        hidden += frame.is_hidden;
+        returns += was_hidden && !frame.is_hidden;
+        was_hidden = frame.is_hidden;
+        if (frame.is_hidden) {
+            TEST_ASSERT_NOT_EQUAL_INT(OPMS_BAR_LOCATED, seen.bar_state);
+            continue;
+        }
+        TEST_ASSERT_EQUAL_INT(OPMS_BAR_LOCATED, seen.bar_state);
+        const TruePose pose = world->true_pose(frame.picture);
+        for (int i = 0; i < 3; ++i) {
+            TEST_ASSERT_DOUBLE_WITHIN(0.003, pose.bar_camera.t[i], seen.camera_m[i]);
+        }
+    }
+    std::printf("%d pictures without the bar, %d returns\n", hidden, returns);
+    TEST_ASSERT_TRUE(hidden > 60);
+    TEST_ASSERT_EQUAL_INT(4, returns);
 }
 
 }  // namespace
@@ -257,6 +313,7 @@ int main(void)
     UNITY_BEGIN();
     RUN_TEST(an_undisturbed_scan_gives_each_pulse_its_pose);
     RUN_TEST(ten_minutes_with_all_faults_give_no_wrong_trigger_and_no_wrong_time);
+    RUN_TEST(the_first_picture_that_shows_the_bar_again_gives_a_right_pose);
     RUN_TEST(a_long_scan_needs_no_more_memory_as_it_goes_on);
     return UNITY_END();
 }
