@@ -26,8 +26,8 @@ WIDE_INLINE wide_t exp2_density(wide_t y)
     return (wide_t)((wide_int_t)p + whole * (1 << 23));
 }
 
-/** The unit normal distribution and its density at z standard deviations, beyond NORMAL_WIDE_REACH as
- * there (errors below 3e-6).
+/** The unit normal distribution and its density at z standard deviations, beyond
+ * NORMAL_WIDE_REACH as there (errors below 3e-6).
  *
  * The tail over the density, Mills' ratio, is a minimax rational function on 0 to 5. */
 WIDE_INLINE normal_wide_t normal_wide(wide_t z)

@@ -113,30 +113,32 @@ typedef int32_t wide_half_int_t __attribute__((vector_size(WIDE / 2 * sizeof(flo
     __builtin_shuffle(a, b, (wide_half_int_t){p, q, r, s})
 #endif
 
-WIDE_INLINE wide_half_t wide_fold(const wide_t *v)
+WIDE_INLINE wide_half_t wide_half(const wide_t *v, int upper)
 {
     wide_half_t half[2];
     memcpy(half, v, sizeof half);
-    return half[0] + half[1];
+    return half[upper];
 }
 
-/** The sums of the lanes of four. */
-WIDE_INLINE void wide_sums(const wide_t v[4], float sum[4])
+/** The sums over the lower half of the lanes of each of four, then over the upper half. */
+WIDE_INLINE void wide_half_sums(const wide_t v[4], float lower[4], float upper[4])
 {
-    const wide_half_t a = wide_fold(&v[0]), b = wide_fold(&v[1]), c = wide_fold(&v[2]),
-                       d = wide_fold(&v[3]);
-    const wide_half_t ab =
-        WIDE_HALF_SHUFFLE(a, b, 0, 4, 1, 5) + WIDE_HALF_SHUFFLE(a, b, 2, 6, 3, 7);
-    const wide_half_t cd =
-        WIDE_HALF_SHUFFLE(c, d, 0, 4, 1, 5) + WIDE_HALF_SHUFFLE(c, d, 2, 6, 3, 7);
-    const wide_half_t all =
-        WIDE_HALF_SHUFFLE(ab, cd, 0, 1, 4, 5) + WIDE_HALF_SHUFFLE(ab, cd, 2, 3, 6, 7);
-    memcpy(sum, &all, sizeof all);
+    for (int half = 0; half < 2; ++half) {
+        const wide_half_t a = wide_half(&v[0], half), b = wide_half(&v[1], half);
+        const wide_half_t c = wide_half(&v[2], half), d = wide_half(&v[3], half);
+        const wide_half_t ab =
+            WIDE_HALF_SHUFFLE(a, b, 0, 4, 1, 5) + WIDE_HALF_SHUFFLE(a, b, 2, 6, 3, 7);
+        const wide_half_t cd =
+            WIDE_HALF_SHUFFLE(c, d, 0, 4, 1, 5) + WIDE_HALF_SHUFFLE(c, d, 2, 6, 3, 7);
+        const wide_half_t all =
+            WIDE_HALF_SHUFFLE(ab, cd, 0, 1, 4, 5) + WIDE_HALF_SHUFFLE(ab, cd, 2, 3, 6, 7);
+        memcpy(half ? upper : lower, &all, sizeof all);
+    }
 }
 
 WIDE_INLINE float wide_sum(wide_t v)
 {
-    const wide_half_t half = wide_fold(&v);
+    const wide_half_t half = wide_half(&v, 0) + wide_half(&v, 1);
     return (half[0] + half[2]) + (half[1] + half[3]);
 }
 

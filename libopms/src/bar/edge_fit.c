@@ -13,7 +13,8 @@
  * linear, so no pixel is ever interpolated. Several lines make a stretch, in
  * which black level, contrast and a small displacement are solved for by linear least squares. */
 
-#define LINES_A_STRETCH 5
+#define LINES_A_STRETCH 4         /* as many as are summed up at once */
+#define LINES_A_STRETCH_CLIPPED 5
 #define LINES_ENOUGH 16   /* across a side, for some of them to be left out while scouting */
 #define INSIDE_BLURS                                                                               \
     4.2 /* reach of the pixels that take part, in standard deviations of the blur */
@@ -114,7 +115,7 @@ typedef struct side_look {
     double per_length, bend; /* tau = t - bend t^2 with t = (line - p0) per_length */
     double s_step;          /* px across the side by a pixel of a line */
     double span, before;    /* length of the window, and of its part before the edge */
-    fit_lines_t lines;
+    fit_lines_t lines[2];
 } side_look_t;
 
 static void model_of(const edge_scene_t *scene, int square, side_look_t *look)
@@ -173,8 +174,10 @@ static int lines_of(const edge_scene_t *scene, side_look_t *look)
     look->span = (look->window.inside + look->window.outside) * per_cosine;
     look->before = curve->sign > 0 ? (look->window.inside - shift) * per_cosine
                                    : (look->window.outside + shift) * per_cosine;
-    look->lines.wide = view->wide;
-    look->lines.pixel_bytes = m == 0 ? view->stride : (view->wide ? 2 : 1);
+    for (int i = 0; i < 2; ++i) {
+        look->lines[i].wide = view->wide;
+        look->lines[i].pixel_bytes = m == 0 ? view->stride : (view->wide ? 2 : 1);
+    }
     return look->count >= 2;
 }
 
@@ -210,10 +213,9 @@ static int line_at(const side_look_t *look, int main, double tau, fit_line_t *li
 }
 
 /** Gather the lines from number `from` to the one before `to`; returns the mean of their tau. */
-static double gather_lines(side_look_t *look, int from, int to)
+static double gather_lines(const side_look_t *look, int from, int to, fit_lines_t *lines)
 {
     const double p0 = look->curve->p0[look->curve->along_axis];
-    fit_lines_t *lines = &look->lines;
     double sum = 0;
     lines->count = 0;
     for (int k = from; k < to && lines->count < STRETCH_LINES_MAX; ++k) {
@@ -243,16 +245,60 @@ static void place_stretch(const side_curve_t *curve, int square, int side, doubl
     out->px_per_mm = (float)curve->px_per_mm;
 }
 
-static int fit_stretch(side_look_t *look, const grey_levels_t *levels, stretch_t *out,
-                       fit_sums_t *sums, clip_info_t *clip)
+/** How many stretches the side is measured in. */
+static int parts_of(const side_look_t *look)
 {
-    const edge_scene_t *scene = look->scene;
-    out->expected_px = look->shift;
-    if (scene->clip < 1) {
-        return scene->kernel->fit_clipped(&look->model, &look->lines, out, clip);
+    const int most = OPMS_BAR_EDGES_PER_SIDE;
+    const int parts = look->scene->clip < 1
+        ? (look->count + LINES_A_STRETCH_CLIPPED / 2) / LINES_A_STRETCH_CLIPPED
+        : (look->count + LINES_A_STRETCH - 1) / LINES_A_STRETCH;
+    return parts < 1 ? 1 : parts > most ? most : parts;
+}
+
+/** Stretches `part` and the one behind it; returns how many have an edge. */
+static int fit_two(side_look_t *look, int square, int part, int parts, const grey_levels_t *levels,
+                   const stretch_place_t *out)
+{
+    double tau[2];
+    stretch_t *stretch[2];
+    fit_sums_t *sums[2];
+    for (int i = 0; i < 2; ++i) {
+        const int from = look->count * (part + i) / parts;
+        const int to = look->count * (part + i + 1) / parts;
+        tau[i] = gather_lines(look, from, part + i < parts ? to : from, &look->lines[i]);
+        stretch[i] = &out->stretch[i];
+        sums[i] = &out->sums[i];
+        stretch[i]->expected_px = look->shift;
     }
-    scene->kernel->sum(&look->model, &look->lines, out, sums);
-    return stretch_solve(levels, sums, out);
+    look->scene->kernel->sum(&look->model, look->lines, stretch, sums);
+    int found = 0;
+    for (int i = 0; i < 2; ++i) {
+        if (look->lines[i].count == 0 || !stretch_solve(levels, sums[i], stretch[i])) {
+            continue;
+        }
+        place_stretch(look->curve, square, look->side, tau[i], stretch[i]);
+        if (found < i) {
+            out->stretch[found] = *stretch[i];
+            out->sums[found] = *sums[i];
+        }
+        ++found;
+    }
+    return found;
+}
+
+/** One stretch of a picture whose white saturates; returns whether it has an edge. */
+static int fit_clipped(side_look_t *look, int square, int part, int parts,
+                       const stretch_place_t *out)
+{
+    const int from = look->count * part / parts, to = look->count * (part + 1) / parts;
+    const double tau = gather_lines(look, from, to, &look->lines[0]);
+    out->stretch->expected_px = look->shift;
+    if (look->lines[0].count == 0 ||
+        !look->scene->kernel->fit_clipped(&look->model, &look->lines[0], out->stretch, out->clip)) {
+        return 0;
+    }
+    place_stretch(look->curve, square, look->side, tau, out->stretch);
+    return 1;
 }
 
 static int fit_side(side_look_t *look, int square, const grey_levels_t *levels,
@@ -262,18 +308,12 @@ static int fit_side(side_look_t *look, int square, const grey_levels_t *levels,
     if (!lines_of(look->scene, look)) {
         return 0;
     }
-    int parts = (look->count + LINES_A_STRETCH / 2) / LINES_A_STRETCH;
-    parts = parts < 1 ? 1 : parts > OPMS_BAR_EDGES_PER_SIDE ? OPMS_BAR_EDGES_PER_SIDE : parts;
+    const int parts = parts_of(look), clipped = look->scene->clip < 1;
     int found = 0;
-    for (int part = 0; part < parts; ++part) {
-        const int from = look->count * part / parts, to = look->count * (part + 1) / parts;
-        const double tau = gather_lines(look, from, to);
-        stretch_t *stretch = &out->stretch[found];
-        if (look->lines.count > 0 &&
-            fit_stretch(look, levels, stretch, &out->sums[found], &out->clip[found])) {
-            place_stretch(look->curve, square, look->side, tau, stretch);
-            ++found;
-        }
+    for (int part = 0; part < parts; part += clipped ? 1 : 2) {
+        const stretch_place_t place = {out->stretch + found, out->sums + found, out->clip + found};
+        found += clipped ? fit_clipped(look, square, part, parts, &place)
+                         : fit_two(look, square, part, parts, levels, &place);
     }
     return found;
 }

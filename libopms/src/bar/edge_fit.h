@@ -61,16 +61,16 @@ enum {
     SUM_HW,
     SUM_HG,
     SUM_HH,
-    SUM_C, /**< these where there are cells */
+    SUM_C = 16, /**< these only where there are cells or ground; fours are written at once */
     SUM_CW,
     SUM_CG,
-    SUM_K, /**< and these where there is ground */
+    SUM_K = 20,
     SUM_KI,
     SUM_KW,
     SUM_KG,
     SUM_KH,
     SUM_KK,
-    SUMS = 24 /* a multiple of four */
+    SUMS = 28
 };
 
 typedef struct fit_sums {
@@ -106,6 +106,7 @@ typedef struct stretch {
     float contrast;       /**< grey levels from black to white, or to saturation */
     float px_per_mm;      /**< across the side */
     float variance;       /**< of the grey levels about the model */
+    float level_variance[2]; /**< of black and of white as found here, for noise 1 */
     float blur_slope, blur_weight; /**< information on the blur: Newton step = slope / weight */
 } stretch_t;
 

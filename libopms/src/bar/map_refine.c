@@ -157,16 +157,6 @@ static int clamp_index(int k)
     return k < 0 ? 0 : k >= OPMS_BAR_SQUARES ? OPMS_BAR_SQUARES - 1 : k;
 }
 
-/** Variance of a stretch's own black or white level, for noise 1; somewhat too small, since its
- * place and the ground are taken as known. */
-static float level_variance(const fit_sums_t *sums, int white)
-{
-    const float n = sums->n, mean = sums->of[SUM_W] / n;
-    const float spread = sums->of[SUM_WW] - mean * sums->of[SUM_W];
-    const float from = white ? 1.f - mean : mean;
-    return 1.f / n + from * from / fmaxf(spread, 1.f);
-}
-
 /** Learn black and white from the stretches of a pass and solve these again with both. Their
  * scatter, light and shade included, says how far they may be believed in any one place. */
 static void learn_levels(bar_fit_t *fit)
@@ -179,7 +169,7 @@ static void learn_levels(bar_fit_t *fit)
             const stretch_t *s = &fit->stretch[i];
             if (fit->good[i]) {
                 fit->residual[n++] = s->black + (white ? s->contrast : 0.f);
-                own += level_variance(&fit->sums[i], white);
+                own += s->level_variance[white];
             }
         }
         if (n < GOOD_LEAST) {

@@ -20,7 +20,7 @@ typedef struct side_curve {
     double half_px;        /**< half the side's length */
     double border_px;      /**< distance of the bar's border beyond the sides along Y, else 0 */
     double along_mm[2];    /**< gradient of the position along the side, mm per px of u and v, */
-    double along_turn[2];  /**< and its change by tau: the ends are seldom parallel in the picture */
+    double along_turn[2];  /**< its change by tau: the ends are seldom parallel in the picture */
 } side_curve_t;
 
 /** Sides in the order X = -10, Y = -10, X = +10, Y = +10 mm. */

@@ -124,6 +124,21 @@ static double sweep_ground(fit_moments_t *m)
     return per_kk;
 }
 
+/** Variance of the grey level where the coverage is `white`, from the moments as they were swept,
+ * for noise 1. */
+static float level_variance(const fit_moments_t *m, const fit_sums_t *sums, double white,
+                            double per_ww, double per_kk, double per_gg)
+{
+    const double part = 1 / m->n;
+    const double from = (double)sums->of[SUM_W] * part - white;
+    const double ground =
+        per_kk > 0 ? (double)sums->of[SUM_K] * part - from * m->kw * per_ww : 0;
+    const double along = (double)sums->of[SUM_G] * part - from * m->gw * per_ww -
+                         (per_kk > 0 ? ground * m->kg * per_kk : 0);
+    return (float)(part + from * from * per_ww + ground * ground * per_kk +
+                   along * along * per_gg);
+}
+
 int stretch_solve(const grey_levels_t *levels, const fit_sums_t *sums, stretch_t *out)
 {
     if (out->clipped) {
@@ -172,6 +187,11 @@ int stretch_solve(const grey_levels_t *levels, const fit_sums_t *sums, stretch_t
         (black + white > 0 ? third / (third + black) + third / (third + white) : 2);
     const double rss = m.ii - m.ig * slope;
     out->variance = (float)((rss > 0 ? rss : 0) / (pixels - solved));
+    if (!(black + white > 0)) {
+        for (int level = 0; level < 2; ++level) {
+            out->level_variance[level] = level_variance(&m, sums, level, per_ww, per_kk, per_gg);
+        }
+    }
     /* What of the residual the blur would explain, once the rest is taken out of it. */
     const double hh = m.hh - m.hg * m.hg * per_gg;
     out->blur_weight = (float)(contrast * contrast * (hh > 0 ? hh : 0));

@@ -66,9 +66,10 @@ void stretch_cell_ends(const side_model_t *model, float low, float high, cell_en
 
 /** What looks at every pixel, compiled for one kind of vector unit; all give the same bytes. */
 typedef struct stretch_kernel {
-    /** Sum up the pixels of a stretch; its geometry is the caller's. */
-    void (*sum)(const side_model_t *model, const fit_lines_t *lines, stretch_t *out,
-                fit_sums_t *sums);
+    /** Sum up the pixels of two stretches of a side; their geometry is the caller's. The second
+     * may have no lines. */
+    void (*sum)(const side_model_t *model, const fit_lines_t lines[2], stretch_t *const out[2],
+                fit_sums_t *const sums[2]);
     /** Fit a stretch of a picture whose white saturates; 0 where it has no edge to be placed. */
     int (*fit_clipped)(const side_model_t *model, const fit_lines_t *lines, stretch_t *out,
                        clip_info_t *clip);
@@ -77,10 +78,10 @@ typedef struct stretch_kernel {
 /** The kernel for the widest registers that this machine has, or, not `wide`, that all have. */
 const stretch_kernel_t *stretch_kernel(int wide);
 
-void stretch_sum_plain(const side_model_t *model, const fit_lines_t *lines, stretch_t *out,
-                       fit_sums_t *sums);
-void stretch_sum_avx2(const side_model_t *model, const fit_lines_t *lines, stretch_t *out,
-                      fit_sums_t *sums);
+void stretch_sum_plain(const side_model_t *model, const fit_lines_t lines[2],
+                       stretch_t *const out[2], fit_sums_t *const sums[2]);
+void stretch_sum_avx2(const side_model_t *model, const fit_lines_t lines[2],
+                      stretch_t *const out[2], fit_sums_t *const sums[2]);
 int stretch_clip_plain(const side_model_t *model, const fit_lines_t *lines, stretch_t *out,
                        clip_info_t *clip);
 int stretch_clip_avx2(const side_model_t *model, const fit_lines_t *lines, stretch_t *out,

@@ -6,8 +6,9 @@
 #include "bar/line_pixels.h"
 
 /* The regressors of all pixels of a stretch (stretch_fit.c says which), summed up as they are made:
- * none is ever stored. Half of the stretches lie away from the side's ends, from the code cells and
- * from the ground; theirs is a loop of its own. */
+ * none is ever stored. Two stretches are summed up side by side, four lines of each at a time, a
+ * line a lane. So pixels equally far from the edge are together, and only those that the code
+ * cells, the side's end or the ground reach have these in their model. */
 
 #define REACH STRETCH_REACH
 
@@ -26,24 +27,96 @@ WIDE_INLINE wide_t cells_at(const side_model_t *model, const cell_ends_t *near, 
     return sum;
 }
 
-/** What the model has within reach of a stretch. */
+/** Eight lines, four of each stretch; the first pixel of each comes first. */
+typedef struct line_lanes {
+    wide_t s, along, along_step, count;
+    int ranks;                       /**< pixels of the longest line */
+    float s_step, s_high;            /**< s_high: of the first pixels */
+    uint16_t grey[LINE_PIXELS_MAX][WIDE];
+} line_lanes_t;
+
+/** What the model has within reach of these lines. */
 typedef struct stretch_parts {
     int end, cells, cells_far, ground;
+    float cells_from, ground_from; /**< distances from the edge from where on they count */
     cell_ends_t cell_ends;
 } stretch_parts_t;
 
-WIDE_INLINE void parts_of(const side_model_t *model, const line_pixels_t *pixels,
-                          stretch_parts_t *parts)
+/** Fill one lane with a line's grey levels. */
+WIDE_INLINE void load_grey(const fit_lines_t *lines, const fit_line_t *line, int lane,
+                           line_lanes_t *to)
 {
-    const float low = pixels->along_low, high = pixels->along_high;
+    const uint8_t *at = line->first;
+    const ptrdiff_t step = lines->pixel_bytes;
+    int k = 0;
+    if (lines->wide) {
+        for (; k < line->count; ++k, at += step) {
+            to->grey[k][lane] = *(const uint16_t *)(const void *)at;
+        }
+    } else {
+        for (; k < line->count; ++k, at += step) {
+            to->grey[k][lane] = *at;
+        }
+    }
+    for (; k < to->ranks; ++k) {
+        to->grey[k][lane] = 0;
+    }
+}
+
+/** Gather the lines from number `from` on. */
+WIDE_INLINE void load_lines(const fit_lines_t lines[2], int from, float *low, float *high,
+                            line_lanes_t *to)
+{
+    static const fit_line_t none = {.count = 0};
+    const fit_line_t *line[WIDE];
+    float s[WIDE], along[WIDE], along_step[WIDE], count[WIDE];
+    to->ranks = 0;
+    to->s_high = *high = -1e30f;
+    to->s_step = 0.f;
+    *low = 1e30f;
+    for (int lane = 0; lane < WIDE; ++lane) {
+        const fit_lines_t *of = &lines[lane >= WIDE / 2];
+        const int number = from + lane % (WIDE / 2);
+        const fit_line_t *l = number < of->count ? &of->line[number] : &none;
+        line[lane] = l;
+        s[lane] = l->s_first;
+        along[lane] = l->along_first;
+        along_step[lane] = l->along_step;
+        count[lane] = (float)l->count;
+        if (l->count > 0) {
+            const float last = l->along_first + (count[lane] - 1.f) * l->along_step;
+            to->ranks = l->count > to->ranks ? l->count : to->ranks;
+            to->s_high = larger_of(to->s_high, l->s_first);
+            to->s_step = l->s_step;
+            *low = -larger_of(-*low, larger_of(-l->along_first, -last));
+            *high = larger_of(*high, larger_of(l->along_first, last));
+        }
+    }
+    for (int lane = 0; lane < WIDE; ++lane) {
+        load_grey(&lines[lane >= WIDE / 2], line[lane], lane, to);
+    }
+    to->s = wide_load(s);
+    to->along = wide_load(along);
+    to->along_step = wide_load(along_step);
+    to->count = wide_load(count);
+}
+
+WIDE_INLINE void parts_of(const side_model_t *model, const line_lanes_t *lines, float low,
+                          float high, stretch_parts_t *parts)
+{
+    const float reach = REACH * model->sigma;
+    const float s_most = larger_of(
+        lines->s_high, lines->s_high + (float)(lines->ranks - 1) * lines->s_step);
     parts->end = (model->end_at - larger_of(high, -low)) * model->along_scale < REACH;
+    parts->cells_from = model->cell_near - reach;
     parts->cells = parts->cells_far = parts->cell_ends.count = 0;
     parts->cell_ends.base = 0.f;
     parts->ground = model->ground > 0.f;
-    if (model->cells && (pixels->s_high - model->cell_near) * model->per_sigma > -REACH) {
+    parts->ground_from = model->ground - NORMAL_WIDE_REACH * model->sigma;
+    if (model->cells && s_most > parts->cells_from) {
         stretch_cell_ends(model, low, high, &parts->cell_ends);
         parts->cells = parts->cell_ends.count > 0 || parts->cell_ends.base > 0.f;
-        parts->cells_far = (pixels->s_high - model->cell_far) * model->per_sigma > -REACH;
+        parts->cells_far = s_most > model->cell_far - reach;
     }
 }
 
@@ -82,90 +155,157 @@ WIDE_INLINE void add_cells(const side_model_t *model, const stretch_parts_t *par
     of->cells_slope = cells * across.pulse;
 }
 
-/** The sums of all pixels. `alone` is a constant: nothing but the edge is within reach of them. */
-WIDE_INLINE int sum_pixels(const side_model_t *model, const stretch_parts_t *parts,
-                           const line_pixels_t *pixels, int alone, float sums[SUMS])
+/** Lanes of the sums of edge_fit.h. */
+typedef struct lane_sums {
+    wide_t i, ii, w, wi, ww, g, gi, gw, gg, h, hi, hw, hg, hh;
+    wide_t c, cw, cg, k, ki, kw, kg, kh, kk;
+    wide_int_t saturated;
+} lane_sums_t;
+
+WIDE_INLINE void add_edge(wide_t i, wide_t w, wide_t g, wide_t h, lane_sums_t *sum)
+{
+    sum->i += i;
+    sum->ii += i * i;
+    sum->w += w;
+    sum->wi += w * i;
+    sum->ww += w * w;
+    sum->g += g;
+    sum->gi += g * i;
+    sum->gw += g * w;
+    sum->gg += g * g;
+    sum->h += h;
+    sum->hi += h * i;
+    sum->hw += h * w;
+    sum->hg += h * g;
+    sum->hh += h * h;
+}
+
+WIDE_INLINE void add_ground(wide_t k, wide_t i, wide_t w, wide_t g, wide_t h, lane_sums_t *sum)
+{
+    sum->k += k;
+    sum->ki += k * i;
+    sum->kw += k * w;
+    sum->kg += k * g;
+    sum->kh += k * h;
+    sum->kk += k * k;
+}
+
+/** Sum up eight lines. `alone` is a constant: nothing but the edge is within reach of them. */
+WIDE_INLINE void sum_lines(const side_model_t *model, const stretch_parts_t *parts,
+                           const line_lanes_t *lines, int alone, lane_sums_t *sum)
 {
     const wide_t nearly_white = wide_of(model->white_level - 0.5f);
-    wide_t sum[SUMS] = {{0}};
-    wide_int_t saturated = {0};
-    for (int k = 0; k < pixels->count; k += WIDE) {
-        const wide_int_t used = wide_first(pixels->count - k);
-        const wide_t s = wide_load(&pixels->s[k]), i = wide_load(&pixels->grey[k]);
+    for (int rank = 0; rank < lines->ranks; ++rank) {
+        float grey[WIDE];
+        for (int lane = 0; lane < WIDE; ++lane) {
+            grey[lane] = (float)lines->grey[rank][lane];
+        }
+        const float n = (float)rank;
+        const wide_int_t used = wide_less(wide_of(n), lines->count);
+        const wide_t s = lines->s + n * lines->s_step, i = wide_load(grey);
+        const float s_high = lines->s_high + n * lines->s_step;
         const normal_wide_t edge = edge_wide_blurred(&model->blur, s);
         coverage_t of = {edge.step, edge.pulse, wide_of(0.f)};
+        const int at_cells = !alone && parts->cells && s_high > parts->cells_from;
         if (!alone) {
-            const wide_t along = wide_load(&pixels->along[k]);
+            const wide_t along = lines->along + n * lines->along_step;
             if (parts->end) {
                 add_end(model, s, along, &of);
             }
-            if (parts->cells) {
+            if (at_cells) {
                 add_cells(model, parts, s, along, &of);
-                const wide_t c = wide_where(used, of.cells_slope);
-                sum[SUM_C] += c;
-                sum[SUM_CW] += c * of.white;
-                sum[SUM_CG] += c * of.slope;
             }
         }
         const wide_t w = wide_where(used, of.white), g = wide_where(used, of.slope);
         const wide_t h = s * g * -model->per_sigma;
-        saturated += wide_less(nearly_white, i);
-        sum[SUM_I] += i;
-        sum[SUM_II] += i * i;
-        sum[SUM_W] += w;
-        sum[SUM_WI] += w * i;
-        sum[SUM_WW] += w * w;
-        sum[SUM_G] += g;
-        sum[SUM_GI] += g * i;
-        sum[SUM_GW] += g * w;
-        sum[SUM_GG] += g * g;
-        sum[SUM_H] += h;
-        sum[SUM_HI] += h * i;
-        sum[SUM_HW] += h * w;
-        sum[SUM_HG] += h * g;
-        sum[SUM_HH] += h * h;
-        if (!alone && parts->ground) {
+        add_edge(i, w, g, h, sum);
+        sum->saturated += wide_less(nearly_white, i);
+        if (at_cells) {
+            const wide_t c = wide_where(used, of.cells_slope);
+            sum->c += c;
+            sum->cw += c * w;
+            sum->cg += c * g;
+        }
+        if (!alone && parts->ground && s_high > parts->ground_from) {
             const wide_t ground = edge_wide_blurred(&model->blur, s - model->ground).step;
-            const wide_t step = wide_where(used, ground);
-            sum[SUM_K] += step;
-            sum[SUM_KI] += step * i;
-            sum[SUM_KW] += step * w;
-            sum[SUM_KG] += step * g;
-            sum[SUM_KH] += step * h;
-            sum[SUM_KK] += step * step;
+            add_ground(wide_where(used, ground), i, w, g, h, sum);
         }
     }
-    for (int a = 0; a < SUMS; a += 4) {
-        wide_sums(&sum[a], &sums[a]);
+}
+
+WIDE_INLINE void write_four(wide_t a, wide_t b, wide_t c, wide_t d, int first,
+                            fit_sums_t *const sums[2])
+{
+    const wide_t four[4] = {a, b, c, d};
+    wide_half_sums(four, &sums[0]->of[first], &sums[1]->of[first]);
+}
+
+WIDE_INLINE void write_sums(const lane_sums_t *sum, int others, fit_sums_t *const sums[2])
+{
+    const wide_t none = wide_of(0.f);
+    write_four(sum->i, sum->ii, sum->w, sum->wi, SUM_I, sums);
+    write_four(sum->ww, sum->g, sum->gi, sum->gw, SUM_WW, sums);
+    write_four(sum->gg, sum->h, sum->hi, sum->hw, SUM_GG, sums);
+    write_four(sum->hg, sum->hh, none, none, SUM_HG, sums);
+    if (others) {
+        write_four(sum->c, sum->cw, sum->cg, none, SUM_C, sums);
+        write_four(sum->k, sum->ki, sum->kw, sum->kg, SUM_K, sums);
+        write_four(sum->kh, sum->kk, none, none, SUM_KH, sums);
     }
-    return wide_count(saturated);
 }
 
-WIDE_INLINE void sum_stretch(const side_model_t *model, const fit_lines_t *lines, stretch_t *out,
-                             fit_sums_t *sums)
+static int pixels_of(const fit_lines_t *lines)
 {
-    line_pixels_t pixels;
-    stretch_parts_t parts;
-    line_pixels_gather(&pixels, lines);
-    parts_of(model, &pixels, &parts);
-    const int alone = !parts.end && !parts.cells && !parts.ground;
-    const int saturated = alone ? sum_pixels(model, &parts, &pixels, 1, sums->of)
-                                : sum_pixels(model, &parts, &pixels, 0, sums->of);
-    sums->n = (float)pixels.count;
-    out->saturated = (uint16_t)saturated;
-    out->clipped = 0;
-    out->ground = (uint8_t)parts.ground;
-    out->cells = (uint8_t)parts.cells;
+    int pixels = 0;
+    for (int i = 0; i < lines->count; ++i) {
+        pixels += lines->line[i].count;
+    }
+    return pixels;
 }
 
-void stretch_sum_plain(const side_model_t *model, const fit_lines_t *lines, stretch_t *out,
-                       fit_sums_t *sums)
+WIDE_INLINE void sum_two(const side_model_t *model, const fit_lines_t lines[2],
+                         stretch_t *const out[2], fit_sums_t *const sums[2])
 {
-    sum_stretch(model, lines, out, sums);
+    const int most = lines[0].count > lines[1].count ? lines[0].count : lines[1].count;
+    lane_sums_t sum;
+    memset(&sum, 0, sizeof sum);
+    int others = 0, cells = 0;
+    for (int from = 0; from < most; from += WIDE / 2) {
+        line_lanes_t eight;
+        stretch_parts_t parts;
+        float low, high;
+        load_lines(lines, from, &low, &high, &eight);
+        parts_of(model, &eight, low, high, &parts);
+        cells |= parts.cells;
+        if (parts.end || parts.cells || parts.ground) {
+            others = 1;
+            sum_lines(model, &parts, &eight, 0, &sum);
+        } else {
+            sum_lines(model, &parts, &eight, 1, &sum);
+        }
+    }
+    write_sums(&sum, others, sums);
+    for (int half = 0; half < 2; ++half) {
+        int saturated = 0;
+        for (int lane = 0; lane < WIDE / 2; ++lane) {
+            saturated -= sum.saturated[half * (WIDE / 2) + lane];
+        }
+        sums[half]->n = (float)pixels_of(&lines[half]);
+        out[half]->saturated = (uint16_t)saturated;
+        out[half]->clipped = 0;
+        out[half]->ground = model->ground > 0.f;
+        out[half]->cells = (uint8_t)cells;
+    }
 }
 
-WIDE_AVX2 void stretch_sum_avx2(const side_model_t *model, const fit_lines_t *lines,
-                                stretch_t *out, fit_sums_t *sums)
+void stretch_sum_plain(const side_model_t *model, const fit_lines_t lines[2],
+                       stretch_t *const out[2], fit_sums_t *const sums[2])
 {
-    sum_stretch(model, lines, out, sums);
+    sum_two(model, lines, out, sums);
+}
+
+WIDE_AVX2 void stretch_sum_avx2(const side_model_t *model, const fit_lines_t lines[2],
+                                stretch_t *const out[2], fit_sums_t *const sums[2])
+{
+    sum_two(model, lines, out, sums);
 }
