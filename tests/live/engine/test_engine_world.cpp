@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Whole scans in the simulated world, whose truth the session does not see: with all faults at once,
- * with the bar hidden, and for long. */
+/* Whole scans in the simulated world, whose truth the session does not see: with all faults at
+ * once, with the bar hidden, in changing light, and for long. */
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -41,6 +41,7 @@ struct Seen {
     opms_frame_state_t frame_state = OPMS_FRAME_NONE;
     opms_bar_state_t bar_state = OPMS_BAR_ABSENT;
     bool has_time = false;
+    double white = 0, saturated = 0; /**< of the light on the bar */
     double camera_m[3] = {}; /**< in the bar's frame */
     std::size_t bytes_held = 0; /**< by the program, then; 0 where that cannot be known */
 };
@@ -61,6 +62,8 @@ public:
         seen.bar_state = pose->location.state;
         seen.has_time = pose->has_time;
         std::copy_n(pose->location.pose.bar_camera.transform.t_m, 3, seen.camera_m);
+        seen.white = pose->light.white;
+        seen.saturated = pose->light.saturated;
         seen.bytes_held = mallinfo2().uordblks;
         seen_.push_back(seen);
     }
@@ -252,8 +255,9 @@ void a_long_scan_needs_no_more_memory_as_it_goes_on(void)
     judge(*world, outcome);
     /* The world's truth and the judge's notes grow by some 300 bytes a picture, in jumps. */
     const Seen &half = outcome.seen[outcome.seen.size() / 2], &last = outcome.seen.back();
-    const double bytes = static_cast<double>(last.bytes_held) - static_cast<double>(half.bytes_held);
-    const double each = bytes / (static_cast<double>(outcome.seen.size()) / 2);
+    const auto bytes = [](const Seen &seen) { return static_cast<double>(seen.bytes_held); };
+    const double pictures = static_cast<double>(outcome.seen.size()) / 2;
+    const double each = (bytes(last) - bytes(half)) / pictures;
     std::printf("%.0f bytes more for each picture of the second half\n", each);
     TEST_ASSERT_TRUE(each < 1000);
 }
@@ -306,6 +310,43 @@ void the_first_picture_that_shows_the_bar_again_gives_a_right_pose(void)
     TEST_ASSERT_EQUAL_INT(4, returns);
 }
 
+/** Steps of 3 EV down and up again. The world's camera takes up an exposure two frames later, and
+ * two more are on their way at most: it has two buffers and waits for them. */
+void a_step_of_the_light_is_followed_within_five_pictures_and_the_cameras_delay(void)
+{
+    constexpr int RECOVERED_AFTER = 5 + 2 + 2;
+    WorldOptions options = fast_world(13);
+    options.pictures = PictureMode::lazy;
+    options.frames = 8;
+    options.path_period_s = 0.1;
+    options.max_speed_m_s = 0.3;
+    options.light_steps = {{3, -3}, {6, 0}};
+    std::string error;
+    const auto world = SimulatedWorld::create(options, error);
+    TEST_ASSERT_NOT_NULL_MESSAGE(world.get(), error.c_str());
+    SessionOptions session;
+    session.camera = world->camera();
+    session.source.buffers = 2;
+    Outcome outcome;
+    scan_in(*world, session, 90, outcome);
+    judge(*world, outcome);
+    int steps = 0;
+    for (std::size_t i = 0; i + RECOVERED_AFTER < outcome.seen.size(); ++i) {
+        const Seen &now = outcome.seen[i], &next = outcome.seen[i + 1];
+        const bool is_step = now.has_time && next.has_time && now.t_scan_ns / (3000 * MS) !=
+                                                                  next.t_scan_ns / (3000 * MS);
+        if (!is_step || next.t_scan_ns > 7000 * MS) {
+            continue;
+        }
+        ++steps;
+        const Seen &after = outcome.seen[i + RECOVERED_AFTER];
+        TEST_ASSERT_DOUBLE_WITHIN(0.06, 0.75, after.white);
+        TEST_ASSERT_TRUE(after.saturated < 0.005);
+        TEST_ASSERT_TRUE(std::fabs(next.white - 0.75) > 0.15); /* it was a step */
+    }
+    TEST_ASSERT_EQUAL_INT(2, steps);
+}
+
 }  // namespace
 
 int main(void)
@@ -314,6 +355,7 @@ int main(void)
     RUN_TEST(an_undisturbed_scan_gives_each_pulse_its_pose);
     RUN_TEST(ten_minutes_with_all_faults_give_no_wrong_trigger_and_no_wrong_time);
     RUN_TEST(the_first_picture_that_shows_the_bar_again_gives_a_right_pose);
+    RUN_TEST(a_step_of_the_light_is_followed_within_five_pictures_and_the_cameras_delay);
     RUN_TEST(a_long_scan_needs_no_more_memory_as_it_goes_on);
     return UNITY_END();
 }
