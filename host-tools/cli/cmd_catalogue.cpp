@@ -312,7 +312,8 @@ void add_search_options(CLI::App &search, const Arguments &arguments)
 void add_cmd_catalogue(CLI::App &app, int &exit_code)
 {
     const auto arguments = std::make_shared<CatalogueArguments>();
-    CLI::App *cmd = app.add_subcommand("catalogue", "Recorded scans: list, search, verify, delete.");
+    CLI::App *cmd =
+        app.add_subcommand("catalogue", "Recorded scans: list, search, verify, delete.");
     cmd->require_subcommand(1);
     CLI::App *list = add_action(*cmd, "list", "All scans, by their beginning", arguments);
     list->callback([arguments, &exit_code] { exit_code = run_list(*arguments); });

@@ -47,7 +47,8 @@ public:
         }
         const std::filesystem::path path(folder);
         poses_ = OutputFile::open((path / "poses.jsonl").string(), true, error);
-        changes_ = poses_ ? OutputFile::open((path / "changes.csv").string(), true, error) : nullptr;
+        changes_ =
+            poses_ ? OutputFile::open((path / "changes.csv").string(), true, error) : nullptr;
         if (changes_) {
             changes_->write(csv_heading({"picture", "state", "state_recorded", "identical",
                                          "position_mm", "angle_deg", "differs"}));

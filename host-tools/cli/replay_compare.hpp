@@ -24,7 +24,8 @@ struct PoseChange {
     bool identical() const { return differs.empty(); }
 };
 
-/** @param from  Of points, what the picture alone gives (squares, edges, grey levels) is left out. */
+/** @param from  Of points, what the picture alone gives (squares, edges, grey levels) is left out.
+ */
 PoseChange compare_poses(const opms_host::PoseRecord &recorded, const opms_host::PoseRecord &again,
                          ReplayFrom from);
 

@@ -13,7 +13,8 @@ class ReplayLocator {
 public:
     virtual ~ReplayLocator() = default;
     /** What the live system did with this picture: with the same hint, without one if it had none.
-     * @param[in,out] again  Gets the location, squares, edges and residuals. False with @p error. */
+     * @param[in,out] again  Gets the location, squares, edges and residuals. False with @p error.
+     */
     virtual bool from_picture(const std::string &path, const opms_host::FrameRecord &frame,
                               const opms_host::PoseRecord &recorded,
                               opms_host::PoseRecord &again, std::string &error) = 0;

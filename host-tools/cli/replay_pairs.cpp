@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Reports, pongs and frames are recorded by separate threads, each with the time of its arrival; that
- * time brings them back into one order. */
+/* Reports, pongs and frames are recorded by separate threads, each with the time of its arrival;
+ * that time brings them back into one order. */
 #include "replay_pairs.hpp"
 
 #include <algorithm>
@@ -161,7 +161,8 @@ private:
 
     void take_wait(opms_pair_options_t &options) const
     {
-        const nlohmann::json settings = nlohmann::json::parse(header_.settings_json, nullptr, false);
+        const nlohmann::json settings =
+            nlohmann::json::parse(header_.settings_json, nullptr, false);
         const std::uint32_t wait_ms = settings.is_object() ? settings.value("max_wait_ms", 0U) : 0U;
         options.max_wait_ms = wait_ms > 0 ? wait_ms : options.max_wait_ms;
     }

@@ -19,7 +19,8 @@ struct ReplayRequest {
 };
 
 /** Called for each pose; false ends the replay. */
-using ReplayTake = std::function<bool(const PoseChange &change, const opms_host::PoseRecord &again)>;
+using ReplayTake =
+    std::function<bool(const PoseChange &change, const opms_host::PoseRecord &again)>;
 
 struct ReplayOutcome {
     ReplayFigures figures;

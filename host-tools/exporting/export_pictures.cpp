@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* NAME.png and NAME.json in the form of the project's pictures with truth, the poses in place of the
- * truth; camera.yaml; poses.json, the list. Filled aside, then renamed. */
+/* NAME.png and NAME.json in the form of the project's pictures with truth, the poses in place of
+ * the truth; camera.yaml; poses.json, the list. Filled aside, then renamed. */
 #include "export_scan.hpp"
 
 #include <cerrno>

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /** @file
  * JSON schemas of the messages in an exported MCAP file. Those named foxglove.* describe the fields
- * of Foxglove's schemas of these names, which its panels know; opms.* are the project's own rows. */
+ * of Foxglove's schemas of these names, which its panels know; opms.* are the project's own rows.
+ */
 #ifndef OPMS_EXPORTING_FOXGLOVE_SCHEMAS_HPP
 #define OPMS_EXPORTING_FOXGLOVE_SCHEMAS_HPP
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /** @file
- * Writes MCAP files (https://mcap.dev/spec, version 0): messages in chunks with CRCs and indexes, an
- * attachment, metadata, and the summary that lets readers jump. Uncompressed: what is large in a
+ * Writes MCAP files (https://mcap.dev/spec, version 0): messages in chunks with CRCs and indexes,
+ * an attachment, metadata, and the summary that lets readers jump. Uncompressed: what is large in a
  * scan are PNG pictures.
  *
  *     McapWriter writer(file, "opms 0.3.0");

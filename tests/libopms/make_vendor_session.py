@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A small recorded session for example_vendor: the box's bytes, written from docs/wire.md, and frames.
+"""A small session for example_vendor: frames, and the box's bytes as docs/wire.md has them.
 
     make_vendor_session.py OUT.txt PICTURE.pgm...
 
-A preamble of 6 pulses, a START, pulses of the run at 10 Hz. The second report of the run was lost, one
-was damaged, and the last but one frame did not come. Pictures are taken in turn; the host's clock is
-5 s ahead of the box's, the camera's 77 s."""
+A preamble of 6 pulses, a START, pulses of the run at 10 Hz. The second report of the run was lost,
+one was damaged, one frame did not come. Pictures are taken in turn; the host's clock
+is 5 s ahead of the box's, the camera's 77 s."""
 import os
 import sys
 from pathlib import Path
