@@ -65,7 +65,8 @@ bool has_its_size(const PictureRow &picture, std::string &why)
     return false;
 }
 
-/** Names in the books; those without a whole file are taken out. */
+/** Names in the books. Rows without a whole file are taken out; what there is of the file stays,
+ * for who wants to see what became of it. */
 std::set<std::string> check_named(Database &database, const fs::path &folder,
                                   ScanRecovery &recovery)
 {
@@ -80,9 +81,8 @@ std::set<std::string> check_named(Database &database, const fs::path &folder,
         picture.crc32 = rows.integer(3);
         std::string why;
         const bool is_new = rows.integer(0) > newest - LAST_PICTURES;
-        if (is_new ? picture_is_whole(picture, why) : has_its_size(picture, why)) {
-            named.insert(picture.path);
-        } else {
+        named.insert(picture.path);
+        if (!(is_new ? picture_is_whole(picture, why) : has_its_size(picture, why))) {
             lost.push_back(rows.integer(0));
             recovery.words.push_back(why);
         }
