@@ -119,11 +119,11 @@ private:
         lowest().expires_never();
         boost::asio::post(shared_.workers, [self = this->shared_from_this(), keep]() mutable {
             HttpResponse response = self->shared_.handler.handle(self->request_);
-            boost::asio::post(self->shared_.network,
-                              [self = std::move(self), keep,
-                               response = std::move(response)]() mutable {
-                                  self->send(response, keep);
-                              });
+            auto &network = self->shared_.network; /* before `self` moves on */
+            boost::asio::post(network, [self = std::move(self), keep,
+                                        response = std::move(response)] {
+                self->send(response, keep);
+            });
         });
     }
 

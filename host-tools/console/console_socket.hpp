@@ -136,8 +136,9 @@ private:
                                             choice = outbox_.choice(),
                                             text = std::move(text)]() mutable {
             std::string reply = self->shared_.handler.stream_message(text, choice);
-            boost::asio::post(self->shared_.network, [self = std::move(self), choice,
-                                                      reply = std::move(reply)]() mutable {
+            auto &network = self->shared_.network; /* before `self` moves on */
+            boost::asio::post(network, [self = std::move(self), choice,
+                                        reply = std::move(reply)]() mutable {
                 self->on_reply(std::move(reply), choice);
             });
         });

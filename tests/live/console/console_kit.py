@@ -18,7 +18,13 @@ class Bench:
         self.process = subprocess.Popen(
             [os.environ["CONSOLE_BENCH"], TOKEN, *map(str, options)],
             stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
-        self.port = int(self.process.stdout.readline())
+        first = self.process.stdout.readline().strip()
+        if not first.isdigit():
+            self.process.stdin.close()
+            self.process.stdout.close()
+            self.process.wait(timeout=60)
+            raise ValueError(first)
+        self.port = int(first)
 
     def __enter__(self):
         return self
