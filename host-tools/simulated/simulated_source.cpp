@@ -3,6 +3,8 @@
 
 #include <cmath>
 
+#include "world_frame.hpp"
+
 namespace opms_host {
 
 namespace {
@@ -23,8 +25,7 @@ SourceTraits SimulatedSource::traits() const
     traits.model = "OPMS simulated camera, seed " + std::to_string(core_->options().seed);
     traits.width_px = core_->pictures().width_px();
     traits.height_px = core_->pictures().height_px();
-    traits.profile =
-        core_->now([](WorldCore &world) { return world.camera().profile(); });
+    traits.profile = world_camera_profile(core_->options());
     traits.can_trigger = true;
     traits.exposure_min_us = EXPOSURE_MIN_US;
     traits.exposure_max_us = EXPOSURE_MAX_US;
@@ -83,42 +84,9 @@ void SimulatedSource::wait(std::uint32_t timeout_ms, SourceItem &item)
         return true;
     });
     if (item.kind == SourceItemKind::frame) {
-        item.frame = make_frame(truth, std::move(pixels));
+        item.frame =
+            world_frame(core_->pictures(), core_->options(), truth, std::move(pixels));
     }
-}
-
-FramePtr SimulatedSource::make_frame(const TrueFrame &truth,
-                                     std::shared_ptr<std::uint8_t> pixels) const
-{
-    const WorldOptions &options = core_->options();
-    PictureExposure exposure;
-    exposure.index = truth.picture;
-    exposure.is_hidden = truth.is_hidden;
-    exposure.is_damaged = truth.is_damaged;
-    const double amplified = std::pow(10, truth.gain_db / 20);
-    exposure.factor = truth.light * amplified * truth.exposure_us / options.exposure_us *
-                      std::pow(10, -options.gain_db / 20);
-    exposure.noise = options.noise * amplified;
-    exposure.seed = options.seed + truth.exposure_number;
-    core_->pictures().expose(exposure, pixels.get());
-
-    auto frame = std::make_shared<Frame>();
-    frame->image = {pixels.get(), core_->pictures().width_px(), core_->pictures().height_px(),
-                    core_->pictures().width_px(), OPMS_PIXEL_GREY8, 0};
-    frame->frame_id = truth.frame_id;
-    frame->camera_time_ticks = truth.camera_time_ticks;
-    frame->arrival_host_ns = truth.arrival_host_ns;
-    frame->flags = 0;
-    if (truth.is_damaged) {
-        frame->flags |= OPMS_FRAME_DAMAGED;
-    }
-    if (!options.camera_time) {
-        frame->flags |= OPMS_FRAME_NO_TIME;
-    }
-    frame->exposure_us = truth.exposure_us;
-    frame->gain_db = truth.gain_db;
-    frame->memory = std::move(pixels);
-    return frame;
 }
 
 void SimulatedSource::wake()

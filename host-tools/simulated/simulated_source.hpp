@@ -24,8 +24,6 @@ public:
     SourceCounters counters() const override;
 
 private:
-    FramePtr make_frame(const TrueFrame &truth, std::shared_ptr<std::uint8_t> pixels) const;
-
     const std::shared_ptr<WorldCore> core_;
     std::uint64_t delivered_ = 0, damaged_ = 0; /**< under the world's lock */
 };

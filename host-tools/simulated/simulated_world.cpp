@@ -6,6 +6,7 @@
 #include "simulated_box.hpp"
 #include "simulated_source.hpp"
 #include "world_core.hpp"
+#include "world_frame.hpp"
 
 namespace opms_host {
 
@@ -62,7 +63,7 @@ opms_camera_t SimulatedWorld::camera() const
 
 opms_camera_profile_t SimulatedWorld::camera_profile() const
 {
-    return core_->now([](WorldCore &world) { return world.camera().profile(); });
+    return world_camera_profile(core_->options());
 }
 
 bool SimulatedWorld::step(std::int64_t limit_ns)

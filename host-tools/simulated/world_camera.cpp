@@ -4,11 +4,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "world_frame.hpp"
+
 namespace opms_host {
 
 namespace {
 
-constexpr std::uint64_t IDS_OF_16_BIT = 65535; /* 0 is skipped */
 constexpr std::size_t PAST_FRAMES = 300;
 
 }  // namespace
@@ -22,21 +23,6 @@ WorldCamera::WorldCamera(Agenda &agenda, HostStall &stall, const WorldOptions &o
       powered_ns_(agenda.now_ns() - random_.ns_of_ms(1000, 100000)),
       commanded_{options.exposure_us, options.gain_db}
 {
-}
-
-opms_camera_profile_t WorldCamera::profile() const
-{
-    opms_camera_profile_t profile = {};
-    profile.has_frame_id = 1;
-    profile.frame_id_bits = options_.frame_id_bits;
-    profile.frame_id_skips_0 = options_.frame_id_bits == 16 ? 1 : 0;
-    profile.has_camera_time = options_.camera_time ? 1 : 0;
-    profile.camera_time_bits = options_.camera_time ? 64 : 0;
-    profile.camera_tick_hz = options_.camera_time ? options_.camera_tick_hz : 0;
-    profile.has_strobe = options_.strobe ? 1 : 0;
-    profile.has_start_delay = 1;
-    profile.start_delay_ns = static_cast<std::int64_t>(options_.start_delay_us * NS_PER_US);
-    return profile;
 }
 
 void WorldCamera::start(const SourceStart &start)
@@ -162,11 +148,6 @@ void WorldCamera::trigger(const CameraTrigger &trigger)
     }
 }
 
-std::uint64_t WorldCamera::raw_id(std::uint64_t id) const
-{
-    return options_.frame_id_bits == 16 ? 1 + (id - 1) % IDS_OF_16_BIT : id;
-}
-
 std::uint64_t WorldCamera::ticks(std::int64_t true_ns) const
 {
     if (!options_.camera_time) {
@@ -196,7 +177,7 @@ void WorldCamera::expose(const CameraTrigger &trigger)
         next_id_ += static_cast<std::uint64_t>(trigger_dice_.random().whole(1, 20));
     }
     frame.exposure_number = ++exposures_;
-    frame.frame_id = raw_id(next_id_++);
+    frame.frame_id = world_raw_id(options_, next_id_++);
     frame.camera_time_ticks = ticks(from);
     frame.boot_id = trigger.boot_id;
     frame.session_id = trigger.session_id;

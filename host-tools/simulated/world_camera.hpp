@@ -48,7 +48,6 @@ public:
                 std::uint32_t pictures);
     void set_listener(Listener listener) { listener_ = std::move(listener); }
 
-    opms_camera_profile_t profile() const;
     void start(const SourceStart &start);
     void stop();
     bool is_streaming() const { return is_streaming_; }
@@ -75,7 +74,6 @@ private:
     void deliver(const TrueFrame &frame);
     void deliver_at(std::int64_t t_ns, const TrueFrame &frame);
     void arrive(TrueFrame frame);
-    std::uint64_t raw_id(std::uint64_t id) const;
     std::uint64_t ticks(std::int64_t true_ns) const;
     void say(SourceItemKind kind, const char *text);
 

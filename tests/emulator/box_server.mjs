@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /** The emulated box in real time behind a socket, as docs/emulated-box.md says.
  *
- *     box_server.mjs [--port P] [--firmware FILE] [--flash FILE] [--seed N]
+ *     box_server.mjs [--port P] [--wires P] [--firmware FILE] [--flash FILE] [--seed N]
  *
  * With --flash the contents of the flash are kept in a file. Where the machine cannot keep up,
  * the box's time falls behind; it never skips anything. */
@@ -12,6 +12,7 @@ import { parseArgs } from 'node:util';
 import { Board } from './board.mjs';
 import { BoxSession } from './box_session.mjs';
 import * as socketMessages from './box_socket.mjs';
+import { BoxWires } from './box_wires.mjs';
 import { boardPins, defaultFirmware, loadFirmware } from './firmware_file.mjs';
 import { FLASH_SIZE, FlashChip } from './flash_chip.mjs';
 import { UsbHost } from './usb_host.mjs';
@@ -23,12 +24,14 @@ function fail(text) {
     process.exit(2);
 }
 
-const HELP = `usage: box_server.mjs [--port P] [--firmware FILE] [--flash FILE] [--seed N]
+const HELP = `usage: box_server.mjs [--port P] [--wires P] [--firmware FILE] [--flash FILE]
+                      [--seed N]
 
 The trigger box's firmware on an emulated board, in real time, on a socket of this machine
 (docs/emulated-box.md).
 
   --port P         TCP port on 127.0.0.1; 0 picks one (47653)
+  --wires P        TCP port for a simulated camera on TRIG and STROBE; 0 picks one (none)
   --firmware FILE  .uf2 or .bin (build/firmware/opms-box.uf2)
   --flash FILE     keeps the flash, settings included, over runs (nothing is kept)
   --seed N         of the board's noise, so that boot ids repeat (another one each run)
@@ -39,6 +42,7 @@ function readArguments() {
         return parseArgs({ options: {
             help: { type: 'boolean' },
             port: { type: 'string', default: '47653' },
+            wires: { type: 'string' },
             firmware: { type: 'string', default: defaultFirmware },
             flash: { type: 'string' },
             seed: { type: 'string', default: String(process.pid) },
@@ -171,16 +175,28 @@ class Door {
     }
 }
 
+function portOf(name, text) {
+    const port = Number(text);
+    return Number.isInteger(port) && port >= 0 && port <= 65535
+        ? port : fail(`${name} ${text} is no port`);
+}
+
+function listenForCameras(box, port) {
+    const wires = new BoxWires(box.board, box.pins);
+    const server = createServer((socket) => wires.arrive(socket));
+    server.on('error', (error) => fail(error.message));
+    server.listen(port, '127.0.0.1', () =>
+        process.stdout.write(`wires on 127.0.0.1:${server.address().port}\n`));
+}
+
 function main() {
     const options = readArguments();
     if (options.help) {
         process.stdout.write(HELP);
         return;
     }
-    const port = Number(options.port);
-    if (!Number.isInteger(port) || port < 0 || port > 65535) {
-        fail(`--port ${options.port} is no port`);
-    }
+    const port = portOf('--port', options.port);
+    const wiresPort = options.wires === undefined ? null : portOf('--wires', options.wires);
     if (!existsSync(options.firmware)) {
         fail(`no firmware at ${options.firmware}: build it with ./run firmware`);
     }
@@ -194,6 +210,9 @@ function main() {
         box.board.powerOn();
         box.runInRealTime();
         process.stdout.write(`emulated box on 127.0.0.1:${server.address().port}\n`);
+        if (wiresPort !== null) {
+            listenForCameras(box, wiresPort);
+        }
     });
     for (const signal of ['SIGINT', 'SIGTERM']) {
         process.on(signal, () => {

@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-/** Messages of docs/emulated-box.md: `u32 length, u8 kind, payload`, little-endian. */
+/** Messages of docs/emulated-box.md: `u32 length, u8 kind, payload`, little-endian. The wires'
+ * socket has a kind of its own besides. */
 
-export const KIND = { ATTACHED: 1, DETACHED: 2, INPUT: 3, DONE: 4, EDGE: 5, OUTPUT: 16, GET: 17,
-    SET: 18, LINE: 19, PLUG: 20, POWER: 21, WATCH: 22 };
+export const KIND = { ATTACHED: 1, DETACHED: 2, INPUT: 3, DONE: 4, EDGE: 5, EXPOSURE: 6,
+    EXPOSING: 7, OUTPUT: 16, GET: 17, SET: 18, LINE: 19, PLUG: 20, POWER: 21, WATCH: 22,
+    EXPOSE: 23 };
 export const STATUS = { DONE: 0, STALLED: 1, GONE: 2, TIMED_OUT: 3 };
 const PAYLOAD = { [KIND.OUTPUT]: 68, [KIND.GET]: 7, [KIND.SET]: 68, [KIND.LINE]: 10,
     [KIND.PLUG]: 1, [KIND.POWER]: 0, [KIND.WATCH]: 1 };
+export const WIRES_PAYLOAD = { [KIND.EXPOSE]: 16 };
 
 export class SocketError extends Error {}
 
@@ -48,9 +51,17 @@ export const edge = (line, level, ns) => message(KIND.EDGE, 10, (payload) => {
     payload.writeBigUInt64LE(BigInt(ns), 2);
 });
 
+export const exposure = (triggerNs, delayNs, lengthNs) =>
+    message(KIND.EXPOSURE, 24, (payload) => [triggerNs, delayNs, lengthNs].forEach((ns, index) =>
+        payload.writeBigUInt64LE(BigInt(ns), 8 * index)));
+
+export const exposing = () => message(KIND.EXPOSING, 0);
+
 /** Cuts what arrives into messages. */
 export class MessageReader {
-    constructor() {
+    /** @param payload  bytes of the payload by kind. */
+    constructor(payload = PAYLOAD) {
+        this.payload = payload;
         this.rest = Buffer.alloc(0);
     }
 
@@ -60,10 +71,10 @@ export class MessageReader {
         const messages = [];
         while (this.rest.length >= 5) {
             const length = this.rest.readUInt32LE(0), kind = this.rest.readUInt8(4);
-            if (!(kind in PAYLOAD)) {
+            if (!(kind in this.payload)) {
                 throw new SocketError(`message of unknown kind ${kind}`);
             }
-            if (length !== 1 + PAYLOAD[kind]) {
+            if (length !== 1 + this.payload[kind]) {
                 throw new SocketError(`message of kind ${kind} with length ${length}`);
             }
             if (this.rest.length < 4 + length) {
