@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Any bytes as a table of sensor samples: each line is a sample within bounds, or told to be none. */
+/* Any bytes as a table of sensor samples: a line is a sample within bounds, or told to be none. */
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>

@@ -219,7 +219,7 @@ class Stream:
         from websockets.exceptions import InvalidStatus
 
         try:
-            self._socket = connect(
+            self._manager = connect(
                 url,
                 additional_headers={"Authorization": f"Bearer {token}"},
                 subprotocols=["opms.v1"],  # type: ignore[list-item]
@@ -228,6 +228,7 @@ class Stream:
                 max_size=None,
                 proxy=None,
             )
+            self._socket = self._manager.__enter__()
         except InvalidStatus as error:
             raise _error_of(error.response.status_code, error.response.body) from error
         except OSError as error:
@@ -260,7 +261,7 @@ class Stream:
         self._socket.send(json.dumps({"type": "samples", "samples": body}, allow_nan=False))
 
     def close(self) -> None:
-        self._socket.close()
+        self._manager.__exit__(None, None, None)
 
 
 def _error_of(status: int, answer: bytes | None) -> ClientError:

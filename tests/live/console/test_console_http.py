@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Every call of the OpenAPI document against the real server: good, bad, oversized, unauthorised."""
+"""Every call of the OpenAPI document against the real server: good, bad, large, unauthorised."""
 import json
 import re
 import socket
@@ -122,8 +122,8 @@ class EveryCall(unittest.TestCase):
             self.check(operation, answer, (415,))
             self.check(operation, self.bench.call(method, path, {}, {"Content-Type": None}), (415,))
             self.check(operation, self.bench.call(method, path, raw=b" " * (MIB + 1)), (413,))
-            for raw in (b"{", b"nul", b'{"name":NaN}', b"\xff\xfe", b"[" * 1000, b"[1]]", b'{"a":1e999}',
-                        b"[" * 17 + b"]" * 17):
+            for raw in (b"{", b"nul", b'{"name":NaN}', b"\xff\xfe", b"[" * 1000, b"[1]]",
+                        b'{"a":1e999}', b"[" * 17 + b"]" * 17):
                 self.check(operation, self.bench.call(method, path, raw=raw), (400,))
 
     def test_each_field_of_a_wrong_type_or_value_is_refused(self):

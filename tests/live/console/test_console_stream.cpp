@@ -207,7 +207,8 @@ static void test_all_kinds_reach_the_sink_in_order_as_json(void)
     TEST_ASSERT_TRUE(taken[0]->text_squares.empty());
     hub.want_squares(1);
     hub.on_pose(pose_of(3));
-    const auto more = receiver.until([](const StreamMessage &m) { return !m.text_squares.empty(); });
+    const auto more =
+        receiver.until([](const StreamMessage &m) { return !m.text_squares.empty(); });
     TEST_ASSERT_TRUE(Json::parse(more.back()->text_squares).contains("squares"));
 }
 

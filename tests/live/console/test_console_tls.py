@@ -6,6 +6,7 @@ import ssl
 import subprocess
 import tempfile
 import unittest
+import warnings
 from pathlib import Path
 
 from console_kit import TOKEN, Bench
@@ -58,8 +59,10 @@ class Tls(unittest.TestCase):
     def test_protocols_older_than_tls_1_2_are_refused(self):
         context = ssl.create_default_context(cafile=self.cert)
         context.set_ciphers("ALL:@SECLEVEL=0")
-        context.minimum_version = ssl.TLSVersion.TLSv1
-        context.maximum_version = ssl.TLSVersion.TLSv1_1
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", DeprecationWarning)  # that is the point
+            context.minimum_version = ssl.TLSVersion.TLSv1
+            context.maximum_version = ssl.TLSVersion.TLSv1_1
         with self.assertRaises((ssl.SSLError, ConnectionError)):
             self.get(context)
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""`opms serve`: a Master PC's scan from the software start to the stop, and how the program ends."""
+"""`opms serve`: a Master PC's scan from the software start to the stop, and the program's end."""
 import signal
 import sqlite3
 import tempfile

@@ -42,8 +42,12 @@ class RawSocket:
                  "Upgrade: websocket", "Sec-WebSocket-Version: 13", f"Sec-WebSocket-Key: {key}"]
         if token:
             lines.append(f"Authorization: Bearer {token}")
-        self.socket.sendall("\r\n".join([*lines, *headers, "", ""]).encode())
-        self._read_answer(key)
+        try:
+            self.socket.sendall("\r\n".join([*lines, *headers, "", ""]).encode())
+            self._read_answer(key)
+        except BaseException:
+            self.close()
+            raise
 
     def _read_answer(self, key):
         while b"\r\n\r\n" not in self.buffer:
