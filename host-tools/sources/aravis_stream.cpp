@@ -54,6 +54,11 @@ bool AravisStream::begin(AravisCamera &camera, std::string &error)
     GFailure failure;
     parser_ = camera.chunk_parser();
     const guint payload = arv_camera_get_payload(camera.get(), failure.fresh());
+    if (arv_camera_is_gv_device(camera.get())) {
+        /* The packet socket is for root alone, and deaf where the way to the camera is not the
+         * interface on which it was discovered. */
+        arv_camera_gv_set_stream_options(camera.get(), ARV_GV_STREAM_OPTION_PACKET_SOCKET_DISABLED);
+    }
     if (!failure && payload > 0) {
         stream_.reset(arv_camera_create_stream(camera.get(), nullptr, nullptr, failure.fresh()));
     }

@@ -209,7 +209,10 @@ static void ids_wrap_from_65535_to_1_and_the_pairer_counts_on(void)
         const std::uint64_t before = frames[i - 1]->frame_id, now = frames[i]->frame_id;
         const std::uint64_t step = now > before ? now - before : now + LAST_ID - before;
         TEST_ASSERT_EQUAL_UINT64(step, ids[i] - ids[i - 1]);
-        TEST_ASSERT_TRUE(frames[i]->camera_time_ticks > frames[i - 1]->camera_time_ticks);
+        const bool both_timed =
+            ((frames[i]->flags | frames[i - 1]->flags) & OPMS_FRAME_NO_TIME) == 0;
+        TEST_ASSERT_TRUE(!both_timed ||
+                         frames[i]->camera_time_ticks > frames[i - 1]->camera_time_ticks);
     }
 }
 
@@ -293,8 +296,10 @@ static void a_camera_that_vanishes_is_told_of_and_taken_up_again(void)
     }
     TEST_ASSERT_EQUAL_INT(static_cast<int>(SourceItemKind::lost), static_cast<int>(item.kind));
     plug("OPMS1");
-    TEST_ASSERT_EQUAL_INT(static_cast<int>(SourceItemKind::back),
-                          static_cast<int>(next(*camera).kind));
+    do {
+        item = next(*camera); /* a start that a busy machine missed is told of, and tried again */
+    } while (item.kind == SourceItemKind::failed);
+    TEST_ASSERT_EQUAL_INT(static_cast<int>(SourceItemKind::back), static_cast<int>(item.kind));
     next_frame(*camera);
 }
 
