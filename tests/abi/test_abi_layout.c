@@ -270,3 +270,11 @@ AT(opms_history_report_t, session_id, 8);
 AT(opms_history_report_t, remaining, 12);
 AT(opms_history_report_t, count, 16);
 AT(opms_history_report_t, entries, 24);
+
+SIZE(opms_blur_t, 80);
+AT(opms_blur_t, blur_px, 8);
+AT(opms_blur_t, motion_direction, 40);
+AT(opms_blur_t, sharpest_px, 56);
+AT(opms_blur_t, softest_square, 76);
+SIZE(opms_blur_options_t, 16);
+AT(opms_blur_options_t, sharp_most_px, 8);

@@ -12,7 +12,7 @@ import sys
 from pathlib import Path, PurePosixPath
 
 KITS = {"algebra", "image", "lens", "wire"}
-STAGES = {"bar", "calib", "exposure", "grid", "pair", "pose"}
+STAGES = {"bar", "blur", "calib", "exposure", "grid", "pair", "pose"}
 # What a folder of libopms/src may include from other folders of libopms/src.
 MAY_USE = {
     "base": set(),
@@ -32,6 +32,7 @@ AFTER = {
     "bar": {"wire.h", "pose.h", "locate.h", "opms.h"},
     "pose": {"wire.h", "locate.h", "opms.h"},
     "exposure": {"wire.h", "pair.h", "pose.h", "calib.h", "locate.h", "opms.h"},
+    "blur": {"wire.h", "pair.h", "pose.h", "calib.h", "exposure.h", "locate.h", "opms.h"},
     "grid": {"wire.h", "bar.h", "pose.h", "calib.h", "locate.h", "opms.h"},
     "calib": {"wire.h", "bar.h", "locate.h", "opms.h"},
     "pair": {"lens.h", "bar.h", "pose.h", "locate.h", "calib.h", "opms.h"},  # wire.h: its input

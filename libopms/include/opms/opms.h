@@ -13,6 +13,7 @@
 #include <opms/lens.h>
 #include <opms/bar.h>
 #include <opms/exposure.h>
+#include <opms/blur.h>
 #include <opms/pose.h>
 #include <opms/locate.h>
 #include <opms/grid.h>
