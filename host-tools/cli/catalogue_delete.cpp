@@ -94,6 +94,7 @@ bool delete_folder(const fs::path &folder, std::string &error)
         return false;
     }
     const fs::path aside = folder.parent_path() / (".deleted-" + folder.filename().string());
+    fs::remove_all(aside); /* what a deletion that was cut off has left */
     fs::rename(folder, aside);
     fs::remove_all(aside);
     return true;

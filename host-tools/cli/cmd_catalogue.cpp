@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* opms catalogue: which scans there are, whether they are sound, and away with those not wanted. */
 #include <cstdio>
+#include <filesystem>
 #include <iostream>
 #include <memory>
 #include <string>
@@ -64,6 +65,10 @@ int show_list(const CatalogueArguments &arguments, const std::vector<ScanSummary
 /** @return False where some could not be read; they are told. */
 bool read_scans(const CatalogueArguments &arguments, std::vector<ScanSummary> &scans)
 {
+    std::error_code ignored;
+    if (arguments.folder.empty() && !std::filesystem::exists(scans_folder(), ignored)) {
+        return true; /* nothing was recorded yet */
+    }
     std::vector<std::string> failed;
     scans = list_scans(folder_of(arguments), failed);
     for (const std::string &line : failed) {

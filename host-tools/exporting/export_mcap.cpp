@@ -90,12 +90,12 @@ private:
         if (!camera_) {
             return;
         }
-        writer_.message(writer_.add_channel("/camera/calibration", schema_camera_calibration()),
-                        begun_ns, message_camera_calibration(begun_ns, camera_->lens));
+        beside_.push_back({begun_ns, channel("/camera/calibration", schema_camera_calibration()),
+                           message_camera_calibration(begun_ns, camera_->lens)});
         if (camera_->has_detector_camera) {
-            writer_.message(transform_channel(), begun_ns,
-                            message_frame_transform(begun_ns, "detector", "camera",
-                                                    camera_->detector_camera));
+            beside_.push_back({begun_ns, transform_channel(),
+                               message_frame_transform(begun_ns, "detector", "camera",
+                                                       camera_->detector_camera)});
         }
     }
 
@@ -240,7 +240,7 @@ private:
     std::optional<opms_camera_t> camera_;
     std::map<std::string, std::uint16_t> channels_;
     std::map<std::uint64_t, std::string> pictures_;
-    std::vector<TimedMessage> beside_; /**< events and samples */
+    std::vector<TimedMessage> beside_; /**< events, samples, and what is said once */
     std::size_t beside_written_ = 0;
 };
 
