@@ -171,11 +171,22 @@ private:
             synced_host_ns_ = taken_host_ns;
             return true;
         } catch (const DatabaseError &what) {
-            report(what.kind() == DatabaseError::Kind::full ? RecordingState::full
-                                                            : RecordingState::failed,
+            const bool full = what.kind() == DatabaseError::Kind::full || has_no_room();
+            report(full ? RecordingState::full : RecordingState::failed,
                    path_ + ": " + what.what());
         }
         return false;
+    }
+
+    /** SQLite knows one kind of full disk only, and calls a used up quota an I/O error. */
+    bool has_no_room() const
+    {
+        const std::string probe = folder_ + "/room.part";
+        FileTrouble trouble;
+        const bool wrote = file_write(probe, std::vector<std::uint8_t>(4096), trouble);
+        std::error_code ignored;
+        std::filesystem::remove(probe, ignored);
+        return !wrote && trouble.is_full();
     }
 
     /** A row that cannot be (a number that is there already) costs itself and an event. */

@@ -26,31 +26,16 @@ bool is_being_recorded(const fs::path &folder)
     return ScanLock::is_held((folder / SCAN_LOCK_NAME).string());
 }
 
-/** What SQLite has put beside the database holds rows that are not in it yet. */
-bool stands_alone(const fs::path &folder)
-{
-    const std::string path = (folder / SCAN_DATABASE_NAME).string();
-    return !is_being_recorded(folder) && size_of(path + "-wal") == 0 &&
-           size_of(path + "-journal") == 0;
-}
-
+/** Nothing is made or changed, unless somebody is writing: then both share what SQLite keeps. */
 std::unique_ptr<Database> open_file(const fs::path &folder)
 {
     const std::string path = (folder / SCAN_DATABASE_NAME).string();
-    if (stands_alone(folder)) {
-        return std::make_unique<Database>(path, Database::Access::read_alone);
+    auto access = Database::Access::read;
+    if (!is_being_recorded(folder)) {
+        access = size_of(path + "-wal") > 0 ? Database::Access::read_alone
+                                            : Database::Access::read_whole;
     }
-    try {
-        auto database = std::make_unique<Database>(path, Database::Access::read);
-        database->integer("PRAGMA user_version");
-        return database;
-    } catch (const DatabaseError &what) {
-        if (what.kind() != DatabaseError::Kind::cannot_open) {
-            throw;
-        }
-        throw DatabaseError(what.kind(), "was cut off, and its newest rows can only be read where "
-                                         "its folder may be written to: copy it there");
-    }
+    return std::make_unique<Database>(path, access);
 }
 
 }  // namespace

@@ -50,7 +50,8 @@ int flags_of(Database::Access access)
     case Database::Access::create: return common | SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE;
     case Database::Access::write: return common | SQLITE_OPEN_READWRITE;
     case Database::Access::read:
-    case Database::Access::read_alone: break;
+    case Database::Access::read_alone:
+    case Database::Access::read_whole: break;
     }
     return common | SQLITE_OPEN_READONLY;
 }
@@ -71,7 +72,15 @@ std::string uri_of(const std::string &path, Database::Access access)
             uri += c;
         }
     }
-    return access == Database::Access::read_alone ? uri + "?immutable=1" : uri;
+    return access == Database::Access::read_whole ? uri + "?immutable=1" : uri;
+}
+
+/** Without locks (by its file system "unix-none"), and with the index of the -wal in our own memory instead of a file: so a scan that
+ * was cut off can be read on a full disk and where nothing may be written. */
+void stay_alone(sqlite3 *handle)
+{
+    sqlite3_db_config(handle, SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, 1, nullptr);
+    sqlite3_exec(handle, "PRAGMA locking_mode = EXCLUSIVE", nullptr, nullptr, nullptr);
 }
 
 /** A file from elsewhere must not be able to make us do more than read. */
@@ -89,7 +98,7 @@ void be_careful(sqlite3 *handle)
 Database::Database(const std::string &path, Access access)
 {
     const int code = sqlite3_open_v2(uri_of(path, access).c_str(), &handle_, flags_of(access),
-                                     nullptr);
+                                     access == Access::read_alone ? "unix-none" : nullptr);
     if (code != SQLITE_OK) {
         const std::string text = handle_ ? sqlite3_errmsg(handle_) : "out of memory";
         const int system_errno = handle_ ? sqlite3_system_errno(handle_) : 0;
@@ -97,6 +106,9 @@ Database::Database(const std::string &path, Access access)
         throw DatabaseError(kind_of(code, system_errno), text);
     }
     be_careful(handle_);
+    if (access == Access::read_alone) {
+        stay_alone(handle_);
+    }
     try {
         run("PRAGMA cell_size_check = ON; PRAGMA foreign_keys = ON;");
     } catch (...) {

@@ -37,8 +37,9 @@ public:
     enum class Access {
         create,    /**< make it; it must not hold anything */
         write,     /**< it is there */
-        read,      /**< and its neighbours -wal and -shm, where it has any */
-        read_alone /**< nobody writes it, it has no -wal: nothing is made beside it */
+        read,      /**< while somebody writes it */
+        read_alone, /**< nobody writes it: its -wal is read, too, and nothing is made beside it */
+        read_whole  /**< nobody writes it, and there is no -wal */
     };
     Database(const std::string &path, Access access);
     ~Database();

@@ -76,10 +76,11 @@ void fill_up(long long bytes, int system_error, bool with_pictures, RecordingSta
     const auto recorder = begin_scan(folder.path(), "one", options_of(told, with_pictures));
     disk_tap_limit(folder.path().c_str(), bytes, system_error);
     const std::uint64_t handed = hand_over_until_it_ends(*recorder);
-    TEST_ASSERT_TRUE(wanted == recorder->figures().state);
+    const RecordingState state = recorder->figures().state;
     hand_over(*recorder, handed + 1, handed + 5, 30); /* goes on, and does nothing */
     std::string error;
     TEST_ASSERT_FALSE(recorder->end(made::end("stop"), error));
+    TEST_ASSERT_TRUE_MESSAGE(wanted == state, error.c_str());
     TEST_ASSERT_FALSE(error.empty());
     TEST_ASSERT_EQUAL(wanted == RecordingState::full ? 1 : 0, told.full.load());
     TEST_ASSERT_EQUAL(wanted == RecordingState::failed ? 1 : 0, told.failed.load());

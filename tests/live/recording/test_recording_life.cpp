@@ -3,6 +3,7 @@
 #include <atomic>
 #include <chrono>
 #include <fstream>
+#include <map>
 #include <thread>
 
 #include <opencv2/imgcodecs.hpp>
@@ -44,6 +45,15 @@ void copy_cut_off(const std::string &from, const std::string &to)
 {
     fs::copy(from, to, fs::copy_options::recursive);
     fs::remove(to + "/scan.sqlite-shm");
+}
+
+std::map<std::string, std::uintmax_t> files_of(const std::string &folder)
+{
+    std::map<std::string, std::uintmax_t> files;
+    for (const auto &entry : fs::recursive_directory_iterator(folder)) {
+        files[entry.path().string()] = entry.is_regular_file() ? entry.file_size() : 0;
+    }
+    return files;
 }
 
 ScanSummary summary_of(const std::string &path)
@@ -279,8 +289,10 @@ static void test_a_cut_off_scan_is_read_and_mended(void)
     const std::string cut = folder / "cut";
     copy_cut_off(folder / "live", cut);
     finish(*recorder);
+    const auto files = files_of(cut);
     TEST_ASSERT_EQUAL_UINT64(6, summary_of(cut).poses);
     TEST_ASSERT_FALSE(summary_of(cut).ended);
+    TEST_ASSERT_TRUE_MESSAGE(files == files_of(cut), "reading has changed the folder");
 
     fs::resize_file(cut + "/pictures/000/000004.png", 50); /* torn */
     std::ofstream(cut + "/pictures/000/000007.png") << "not in the books";

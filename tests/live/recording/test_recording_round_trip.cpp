@@ -160,6 +160,8 @@ static void test_header_and_end_come_back_as_they_were(void)
     std::string error;
     const auto reader = ScanReader::open(folder / "one/scan.sqlite", error);
     TEST_ASSERT_TRUE_MESSAGE(reader != nullptr, error.c_str());
+    TEST_ASSERT_FALSE(std::filesystem::exists(folder / "one/scan.sqlite-wal")); /* one file */
+    TEST_ASSERT_FALSE(std::filesystem::exists(folder / "one/scan.lock"));
     const ScanSummary &found = reader->summary();
     const ScanHeader wanted = made::header("one");
     TEST_ASSERT_EQUAL_STRING((folder / "one").c_str(), found.folder.c_str());
