@@ -75,8 +75,9 @@ std::string uri_of(const std::string &path, Database::Access access)
     return access == Database::Access::read_whole ? uri + "?immutable=1" : uri;
 }
 
-/** Without locks (by its file system "unix-none"), and with the index of the -wal in our own memory instead of a file: so a scan that
- * was cut off can be read on a full disk and where nothing may be written. */
+/** Without locks (by its file system "unix-none"), and with the index of the -wal in our own memory
+ * instead of a file: so a scan that was cut off can be read on a full disk and where nothing may be
+ * written. */
 void stay_alone(sqlite3 *handle)
 {
     sqlite3_db_config(handle, SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, 1, nullptr);

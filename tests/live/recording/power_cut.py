@@ -4,8 +4,8 @@
     power_cut.py SCAN_WRITER [--cuts N] [--frames N] [--seed N] [--keep FOLDER]
 
 A scan is recorded once with a log of all that SQLite and the recorder ask of the disk; from it,
-disk_state.py makes the disk after a cut at instants spread over all calls, each with its own luck for
-what was not synced. Each must open, have lost a second at most, and be right: scan_check.py."""
+disk_state.py makes the disk after a cut at instants spread over all calls, each with its own luck
+for what was not synced. Each must open, have lost a second at most, and be right: scan_check.py."""
 import argparse
 import os
 import random
