@@ -149,13 +149,12 @@ int Serve::stop()
     ScanEnd end;
     ControlError error;
     while (!control_->stop_scan(end, error)) {
+        if (session_->status().scan.empty()) {
+            return EXIT_CODE_OK; /* there was none, or it ended by itself */
+        }
         if (error.kind == ControlFailure::unavailable) {
             talk(error.text);
             return EXIT_CODE_INPUT;
-        }
-        const SessionStatus status = session_->status();
-        if (status.state == SessionState::idle && status.scan.empty()) {
-            return EXIT_CODE_OK; /* there was none */
         }
         show(STEP_MS); /* a client stops or starts it just now */
     }

@@ -34,8 +34,7 @@ bool LiveControl::start_scan(const std::string &name, std::string &scan, Control
     if (!turn) {
         return fail(error, ControlFailure::conflict, BUSY);
     }
-    const SessionStatus before = session_.status();
-    if (before.state != SessionState::idle || !before.scan.empty()) {
+    if (!session_.status().scan.empty()) {
         return fail(error, ControlFailure::conflict, "a scan is going on already: stop it first");
     }
     std::string text;
@@ -52,8 +51,7 @@ bool LiveControl::stop_scan(ScanEnd &end, ControlError &error)
     if (!turn) {
         return fail(error, ControlFailure::conflict, BUSY);
     }
-    const SessionStatus before = session_.status();
-    if (before.state == SessionState::idle && before.scan.empty()) {
+    if (session_.status().scan.empty()) {
         return fail(error, ControlFailure::conflict, NO_SCAN);
     }
     if (options_.before_stop) {
