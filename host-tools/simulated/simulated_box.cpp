@@ -11,7 +11,10 @@ constexpr std::int64_t PRESS_NS = 20 * NS_PER_MS; /* of a finger on START */
 
 SimulatedBox::SimulatedBox(std::shared_ptr<WorldCore> core) : core_(std::move(core))
 {
-    core_->now([](WorldCore &world) { world.link().open(); });
+    core_->now([](WorldCore &world) {
+        world.link().open();
+        world.join(Consumer::box);
+    });
 }
 
 SimulatedBox::~SimulatedBox()

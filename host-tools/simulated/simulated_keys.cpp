@@ -198,6 +198,10 @@ std::vector<Key> plain_keys()
         {"clouds", "the light wanders by so many EV", number(&W::clouds_ev)},
         {"light", "SECONDS:EV[/...] of the run: steps of the light", set_light},
         {"buried", "X:Y:Z[:STRENGTH][/...] in m: what the metal detector finds", set_buried},
+        {"sensor", "file for the metal detector's samples (opms scan --sensor NAME=FILE)",
+         words(&W::sensor_file)},
+        {"sensor_hz", "samples a second", number(&W::sensor_hz)},
+        {"sensor_noise", "standard deviation of a sample", number(&W::sensor_noise)},
         {"faults", "none, some or many, at random", set_faults},
         {"truth", "file for what really happened, JSON lines", words(&W::truth_file)}};
 }

@@ -51,6 +51,7 @@ bool SimulatedSource::start(const SourceStart &start, std::string &error)
         delivered_ = damaged_ = 0;
         world.make_buffers(start.buffers);
         world.camera().start(start);
+        world.join(Consumer::camera);
         return true;
     });
 }

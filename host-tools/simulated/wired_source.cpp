@@ -16,11 +16,14 @@ constexpr std::chrono::milliseconds SEEK_PAUSE(300);
 constexpr std::uint32_t BUFFERS_MIN = 2, BUFFERS_MAX = 1024;
 constexpr double PERIOD_S = 0.1; /* of the box, unless the options tell another one */
 
+double box_period_s(const WorldOptions &options)
+{
+    return options.period_us > 0 ? options.period_us * 1e-6 : PERIOD_S;
+}
+
 double pulse_period_s(const WorldOptions &options)
 {
-    return options.path_period_s > 0 ? options.path_period_s
-           : options.period_us > 0   ? options.period_us * 1e-6
-                                     : PERIOD_S;
+    return options.path_period_s > 0 ? options.path_period_s : box_period_s(options);
 }
 
 std::chrono::steady_clock::time_point real_time_of(std::int64_t host_ns)
@@ -32,7 +35,10 @@ std::chrono::steady_clock::time_point real_time_of(std::int64_t host_ns)
 
 WiredSource::WiredSource(const WorldOptions &options, std::uint16_t port)
     : options_(options), port_(port), pictures_(options, pulse_period_s(options)),
-      light_(options), truth_(options.truth_file), exposure_us_(options.exposure_us),
+      light_(options), truth_(options.truth_file), run_(box_period_s(options)),
+      sensor_(options, pictures_.path(), pulse_period_s(options) / box_period_s(options),
+              (options.start_delay_us + options.exposure_us / 2) * 1e-6),
+      exposure_us_(options.exposure_us),
       gain_db_(options.gain_db)
 {
 }
@@ -83,7 +89,6 @@ bool WiredSource::start(const SourceStart &start, std::string &error)
         gain_db_ = std::isnan(start.gain_db) ? gain_db_ : start.gain_db;
         counters_ = SourceCounters();
         next_id_ = options_.first_frame_id;
-        first_trigger_ns_ = 0;
         is_streaming_ = true;
     }
     command();
@@ -161,7 +166,6 @@ bool WiredSource::seek()
         lock.lock();
         if (is_back && is_streaming_) {
             next_id_ = options_.first_frame_id;
-            first_trigger_ns_ = 0;
             say(SourceItemKind::back);
             return true;
         }
@@ -176,8 +180,14 @@ void WiredSource::take(const WiresExposure &exposure)
     if (!is_streaming_) {
         return;
     }
-    first_trigger_ns_ = first_trigger_ns_ ? first_trigger_ns_ : exposure.trigger_ns;
-    const double since_s = static_cast<double>(exposure.trigger_ns - first_trigger_ns_) * 1e-9;
+    const auto trigger_ns = static_cast<std::int64_t>(exposure.trigger_ns);
+    if (run_.take(trigger_ns)) {
+        sensor_.run_began();
+    }
+    const double run_s = run_.is_running() ? run_.run_s(trigger_ns) : 0;
+    if (run_.is_running()) {
+        sensor_.advance_to(run_s);
+    }
     const double from_s = static_cast<double>(exposure.trigger_ns + exposure.delay_ns) * 1e-9;
     Item item;
     TrueFrame &frame = item.frame;
@@ -190,11 +200,10 @@ void WiredSource::take(const WiresExposure &exposure)
     }
     frame.mid_box_ns = static_cast<std::int64_t>(exposure.trigger_ns + exposure.delay_ns +
                                                  exposure.length_ns / 2);
-    frame.picture = static_cast<std::uint32_t>(
-        std::llround(since_s / pulse_period_s(options_)) % pictures_.count());
+    frame.picture = static_cast<std::uint32_t>(run_.pulse() % pictures_.count());
     frame.exposure_us = static_cast<double>(exposure.length_ns) * 1e-3;
     frame.gain_db = gain_db_;
-    frame.light = light_.factor(since_s);
+    frame.light = light_.factor(run_s);
     item.t_host_ns = now + static_cast<std::int64_t>(exposure.delay_ns + exposure.length_ns) +
                      static_cast<std::int64_t>(options_.readout_ms * NS_PER_MS);
     frame.arrival_host_ns = item.t_host_ns;

@@ -14,6 +14,8 @@
 
 #include "frame_source.hpp"
 #include "host_clock.hpp"
+#include "buried_sensor.hpp"
+#include "wired_run.hpp"
 #include "wires_socket.hpp"
 #include "world_buffers.hpp"
 #include "world_light.hpp"
@@ -60,12 +62,14 @@ private:
     // Under the bell's lock:
     const std::shared_ptr<WorldBell> bell_ = std::make_shared<WorldBell>();
     WorldTruth truth_;
+    WiredRun run_;
+    BuriedSensor sensor_;
     std::shared_ptr<WorldBuffers> buffers_;
     std::deque<Item> items_;
     std::uint32_t queued_frames_ = 0;
     bool is_streaming_ = false, is_woken_ = false;
     double exposure_us_, gain_db_;
-    std::uint64_t next_id_ = 1, exposures_ = 0, first_trigger_ns_ = 0;
+    std::uint64_t next_id_ = 1, exposures_ = 0;
     SourceCounters counters_;
 };
 

@@ -15,12 +15,14 @@ WorldCore::WorldCore(const WorldOptions &options)
     : options_(options), clock_(std::make_shared<WorldClock>(options.speed)),
       agenda_(clock_->now_ns()), truth_(options.truth_file),
       pictures_(std::make_unique<WorldPictures>(
-          options, options.path_period_s > 0 ? options.path_period_s
-                                             : first_settings().period_us * 1e-6)),
+          options, options.path_period_s > 0 ? options.path_period_s : pulse_period_s())),
       box_(agenda_, options.seed, options.box_drift_ppm, first_settings()),
       link_(agenda_, box_, stall_, options),
       camera_(agenda_, stall_, options, pictures_->count()),
-      mishaps_({agenda_, box_, link_, camera_, stall_, truth_}, options)
+      mishaps_({agenda_, box_, link_, camera_, stall_, truth_}, options),
+      sensor_(options, pictures_->path(),
+              pictures_->path().duration_s() / options.frames / pulse_period_s(),
+              (options.start_delay_us + options.exposure_us / 2) * 1e-6)
 {
     listen();
 }
@@ -34,6 +36,11 @@ opms_settings_t WorldCore::first_settings() const
         settings.period_us = options_.period_us;
     }
     return settings;
+}
+
+double WorldCore::pulse_period_s() const
+{
+    return first_settings().period_us * 1e-6;
 }
 
 void WorldCore::listen()
@@ -64,6 +71,7 @@ void WorldCore::on_pulse(const BoxPulse &pulse)
     if (is_run) {
         trigger.picture = (pulse.number - box_.first_run_number()) % pictures_->count();
         trigger.run_s = static_cast<double>(pulse.true_ns - run_began_ns_) * 1e-9;
+        sensor_.advance_to(trigger.run_s);
     }
     camera_.trigger(trigger);
 }
@@ -87,6 +95,7 @@ void WorldCore::on_run()
     truth_.add(TrueRun{box_.boot_id(), box_.session_id(), box_.first_run_number(),
                        edge * NS_PER_CYCLE, run_began_ns_});
     mishaps_.run_began();
+    sensor_.run_began();
 }
 
 bool WorldCore::on_arrival(TrueFrame &frame)
@@ -195,7 +204,6 @@ bool WorldCore::wait_for(Consumer who, std::uint32_t timeout_ms, const std::func
     const Real::time_point give_up = Real::now() + std::chrono::milliseconds(timeout_ms);
     catch_up();
     Waiting &me = waiting(who);
-    me.is_present = true;
     me.deadline_ns = agenda_.now_ns() + timeout_ms * NS_PER_MS;
     bool got = false;
     for (;;) {

@@ -12,6 +12,7 @@
 #include <mutex>
 #include <string>
 
+#include "buried_sensor.hpp"
 #include "world_box.hpp"
 #include "world_buffers.hpp"
 #include "world_camera.hpp"
@@ -49,6 +50,8 @@ public:
      * 0, not more than that in ours), or a wake(). @return Whether it got something. */
     bool wait_for(Consumer who, std::uint32_t timeout_ms, const std::function<bool()> &take);
     void wake(Consumer who);
+    /** It will wait: with speed 0, no time passes without it. Within now(). */
+    void join(Consumer who) { waiting(who).is_present = true; }
     /** It will not wait any more: time need not wait for it. */
     void leave(Consumer who);
     /** As SimulatedWorld::step(). */
@@ -76,6 +79,7 @@ private:
     using Real = std::chrono::steady_clock;
 
     opms_settings_t first_settings() const;
+    double pulse_period_s() const;
     void listen();
     void on_pulse(const BoxPulse &pulse);
     void on_waiting();
@@ -100,6 +104,7 @@ private:
     WorldLink link_;
     WorldCamera camera_;
     WorldMishaps mishaps_;
+    BuriedSensor sensor_;
     std::shared_ptr<WorldBuffers> buffers_;
     std::uint64_t no_buffer_ = 0;
     std::int64_t run_began_ns_ = 0; /**< 0: not yet */

@@ -119,7 +119,9 @@ std::string world_options_problem(const WorldOptions &o)
         {"noise", o.noise, 0, 30},
         {"white", o.white, 1, 250},
         {"black", o.black, 0, 250},
-        {"clouds", o.clouds_ev, 0, 6}};
+        {"clouds", o.clouds_ev, 0, 6},
+        {"sensor_hz", o.sensor_hz, 0.1, 10000},
+        {"sensor_noise", o.sensor_noise, 0, 1000}};
     for (const Range &range : ranges) {
         const std::string problem = range_problem(range.name, range.value, range.low, range.high);
         if (!problem.empty()) {

@@ -110,6 +110,8 @@ struct WorldOptions {
     // Truth and ground.
     std::string truth_file;    /**< JSON lines; empty: none */
     std::vector<BuriedObject> buried;
+    std::string sensor_file;   /**< table of the metal detector over them; empty: none */
+    double sensor_hz = 50, sensor_noise = 0.01;
 };
 
 /** @return Empty, or what is wrong with them, for people. */

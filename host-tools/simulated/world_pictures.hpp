@@ -40,6 +40,7 @@ public:
     int width_px() const { return scene_.camera.width; }
     int height_px() const { return scene_.camera.height; }
     const opms::simulate::Camera &camera() const { return scene_.camera; }
+    const DetectorPath &path() const { return path_; }
     /** Where the detector is at the middle of picture @p index. */
     PathPoint point(std::uint32_t index) const;
     /** ... and its camera in the bar's frame. */

@@ -1,6 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The simulated camera: ids, times, exposure, buffers, restarts. */
 #include <cmath>
+#include <cstdio>
+#include <fstream>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include <unity.h>
 
@@ -188,6 +193,56 @@ static void test_the_bar_is_hidden_and_the_light_steps_when_asked(void)
     }
 }
 
+/** Rows of the table of a simulated metal detector: time and response. */
+static std::vector<std::pair<double, double>> read_table(const std::string &path)
+{
+    std::ifstream file(path);
+    std::string line;
+    TEST_ASSERT_TRUE(std::getline(file, line));
+    TEST_ASSERT_EQUAL_STRING("t_scan_s,t_bound_s,number,response", line.c_str());
+    std::vector<std::pair<double, double>> rows;
+    while (std::getline(file, line)) {
+        double t_s = 0, bound_s = 0, response = 0;
+        unsigned long long number = 0;
+        TEST_ASSERT_EQUAL(4, std::sscanf(line.c_str(), "%lf,%lf,%llu,%lf", &t_s, &bound_s, &number,
+                                         &response));
+        TEST_ASSERT_EQUAL_UINT64(rows.size() + 1, number);
+        rows.emplace_back(t_s, response);
+    }
+    return rows;
+}
+
+static void test_the_metal_detector_answers_loudest_over_what_is_buried(void)
+{
+    const std::string path = "test_simulated_sensor.csv";
+    WorldScene scene(scene_options("buried=0.35:0.1:-0.04:2,sensor_noise=0.001,sensor=" + path));
+    scene.start_source();
+    start_run(scene);
+    scene.run_for(10.5);
+    const auto rows = read_table(path);
+    std::remove(path.c_str());
+    TEST_ASSERT_INT_WITHIN(10, 520, static_cast<int>(rows.size()));
+    // Loudest at the pulse that was nearest to it, to a pulse.
+    double loudest = 0, loudest_s = 0, nearest_m = 10, nearest_s = 0;
+    for (const auto &row : rows) {
+        if (row.second > loudest) {
+            loudest = row.second;
+            loudest_s = row.first;
+        }
+    }
+    for (const TrueFrame &frame : scene.world().true_frames()) {
+        std::int64_t scan_ns = 0;
+        const cv::Vec3d at = scene.world().true_pose(frame.picture).ground_detector.t;
+        const double distance_m = cv::norm(at - cv::Vec3d(0.35, 0.1, -0.04));
+        if (scene.world().true_scan_time(frame, scan_ns) && distance_m < nearest_m) {
+            nearest_m = distance_m;
+            nearest_s = static_cast<double>(scan_ns) * 1e-9;
+        }
+    }
+    TEST_ASSERT_TRUE(nearest_m < 0.2 && loudest > 0.5 && loudest < 4);
+    TEST_ASSERT_DOUBLE_WITHIN(0.1, nearest_s, loudest_s);
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -199,5 +254,6 @@ int main(void)
     RUN_TEST(test_without_hardware_trigger_it_runs_by_its_own_clock);
     RUN_TEST(test_damaged_and_stale_frames_are_what_the_truth_says);
     RUN_TEST(test_the_bar_is_hidden_and_the_light_steps_when_asked);
+    RUN_TEST(test_the_metal_detector_answers_loudest_over_what_is_buried);
     return UNITY_END();
 }
