@@ -92,7 +92,7 @@ nlohmann::ordered_json catalogue_row(const ScanSummary &scan)
             {"name", scan.name},
             {"folder", scan.folder},
             {"state", catalogue_state(scan)},
-            {"begun", utc_text(scan.header.begun_wall_ns)},
+            {"begun", wall_time_text(scan.header.begun_wall_ns)},
             {"duration_s", scan.duration_s},
             {"mode", scan.header.mode},
             {"triggers", scan.triggers},
@@ -117,7 +117,7 @@ std::string catalogue_line(const ScanSummary &scan, std::size_t name_width)
 {
     return text_padded(scan.name, name_width) +
            text_format("  %-20s  %-9s  %10.1f  %8llu  %5.0f%%  %7llu  %7.1f",
-                       utc_text(scan.header.begun_wall_ns).c_str(), catalogue_state(scan),
+                       wall_time_text(scan.header.begun_wall_ns).c_str(), catalogue_state(scan),
                        scan.duration_s, static_cast<unsigned long long>(scan.poses),
                        scan.poses > 0 ? 100.0 * static_cast<double>(scan.poses_with_time) /
                                             static_cast<double>(scan.poses)
@@ -147,7 +147,7 @@ nlohmann::ordered_json catalogue_page_row(const ScanSummary &scan)
     row["camera_file"] = header.camera_file_name;
     row["versions"] = parsed(header.versions_json);
     row["settings"] = parsed(header.settings_json);
-    row["ended"] = scan.ended ? Json(utc_text(scan.end.ended_wall_ns)) : Json(nullptr);
+    row["ended"] = scan.ended ? Json(wall_time_text(scan.end.ended_wall_ns)) : Json(nullptr);
     row["end_reason"] = scan.ended ? Json(scan.end.reason) : Json(nullptr);
     if (scan.ended && scan.end.has_summary) {
         const opms_pair_summary_t &summary = scan.end.summary;

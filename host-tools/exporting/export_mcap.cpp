@@ -75,7 +75,7 @@ private:
         const std::uint64_t begun_ns = times_.wall_ns(header.begun_host_ns);
         writer_.metadata("opms.scan", {{"name", header.name},
                                        {"mode", header.mode},
-                                       {"begun", utc_text(header.begun_wall_ns)},
+                                       {"begun", wall_time_text(header.begun_wall_ns)},
                                        {"box", header.box_name},
                                        {"source", header.source_name},
                                        {"source_model", header.source_model},

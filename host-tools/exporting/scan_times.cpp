@@ -30,7 +30,7 @@ std::uint64_t ScanTimes::wall_ns(const SensorRecord &sample) const
     return wall_ns(placed ? axis_host_ns_ + sample.t_scan_ns : sample.arrival_host_ns);
 }
 
-std::string utc_text(std::int64_t wall_ns)
+std::string wall_time_text(std::int64_t wall_ns)
 {
     const std::time_t seconds =
         static_cast<std::time_t>(wall_ns / 1000000000 - (wall_ns % 1000000000 < 0 ? 1 : 0));

@@ -35,7 +35,7 @@ private:
 };
 
 /** "2026-11-22T14:03:07Z". */
-std::string utc_text(std::int64_t wall_ns);
+std::string wall_time_text(std::int64_t wall_ns);
 
 }  // namespace opms_host
 #endif
