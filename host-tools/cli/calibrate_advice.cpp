@@ -20,7 +20,7 @@ constexpr double TILTS_RAD[] = {15 * RAD, 30 * RAD, 45 * RAD};
 constexpr double DISTANCES[] = {0.75, 1.0, 1.4}; /* of the first picture's */
 constexpr double MIDDLE_X_M = 0.2, MIDDLE_Y_M = 0.3; /* of the grid: looked at is a point in it */
 constexpr double STEEPEST_RAD = 45 * RAD, HEIGHT_LEAST_M = 0.1;
-constexpr double PITCH_LEAST_PX = 17; /* the grid's lines, 2 of 25 mm, are then 1.3 px wide */
+constexpr double PITCH_LEAST_PX = 15; /* the grid's lines, 2 of 25 mm, are then 1.2 px wide */
 constexpr double MARKER_PITCH_LEAST_PX = 26; /* there, so that the marker itself is seen */
 constexpr double BORDER_PX = 40;             /* that the marker keeps away from */
 constexpr double MARKER_M = 0.006; /* its middle, in X and in Y */
