@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <utility>
 
+#include <opms/blur.h>
 #ifdef OPMS_ENGINE_HAVE_APRILTAG
 #include <opms/apriltag.h>
 #endif
@@ -30,6 +31,18 @@ std::int64_t taken_ns(const Frame &frame, const opms_camera_profile_t &profile)
                                      static_cast<long double>(profile.camera_tick_hz));
 }
 
+BlurVerdict blur_verdict(opms_blur_verdict_t verdict)
+{
+    switch (verdict) {
+    case OPMS_BLUR_UNKNOWN: return BlurVerdict::unknown;
+    case OPMS_BLUR_SHARP: return BlurVerdict::sharp;
+    case OPMS_BLUR_FOCUS: return BlurVerdict::focus;
+    case OPMS_BLUR_MOTION: return BlurVerdict::motion;
+    case OPMS_BLUR_APERTURE: return BlurVerdict::aperture;
+    }
+    return BlurVerdict::unknown;
+}
+
 class BarLocator : public FrameLocator {
 public:
     BarLocator(const SessionOptions &options, const opms_camera_profile_t &profile,
@@ -51,6 +64,7 @@ public:
         pose.has_hint = find(frame, follow_ && has_last ? &last_ : nullptr, pose);
         pose.hint = pose.has_hint ? last_ : opms_transform_t{};
         take_details(pose);
+        judge_blur(frame, pose);
         measure(frame, has_last, pose, bar);
         remember(frame, pose);
     }
@@ -83,7 +97,20 @@ private:
         if (residuals && pose.location.state == OPMS_BAR_LOCATED) {
             pose.residuals_px.assign(residuals, residuals + count);
         }
-        pose.blur_px = {pose.location.bar.blur_px[0], pose.location.bar.blur_px[1]};
+    }
+
+    /** How sharp the bar is, and what a person could do about it. */
+    static void judge_blur(const Frame &frame, PoseRecord &pose)
+    {
+        opms_blur_t blur{};
+        const auto count = static_cast<std::uint32_t>(pose.squares.size());
+        if (pose.location.state != OPMS_BAR_LOCATED ||
+            opms_blur_measure(&frame.image, pose.squares.data(), count, nullptr, &blur, nullptr) !=
+                OPMS_OK) {
+            return;
+        }
+        pose.blur = blur_verdict(blur.verdict);
+        pose.blur_px = {blur.blur_px[0], blur.blur_px[1]};
     }
 
     /** The light on the bar where it is, or where it was a moment ago. */

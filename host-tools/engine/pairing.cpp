@@ -9,6 +9,8 @@ namespace opms_host {
 namespace {
 
 constexpr std::size_t ROUND_TRIPS = 31; /* as many as a clock remembers */
+/* By so many the preamble is over, and later ones hardly help. */
+constexpr std::uint64_t MANY_FRAMES = 30;
 
 opms_history_report_t history_report(const opms_history_item_t &item)
 {
@@ -94,6 +96,7 @@ bool Pairing::open(std::uint32_t boot_id, std::uint32_t session_id,
     at_open_ = before.counters;
     told_ = {};
     told_state_ = OPMS_PAIR_SEARCHING;
+    told_not_locked_ = false;
     return true;
 }
 
@@ -214,6 +217,12 @@ void Pairing::news(std::int64_t now_host_ns, bool all, const TakeEvent &tell)
                 "a picture contradicts the pairing: nothing is paired until it is clear again");
         }
     }
+    if (now.state == OPMS_PAIR_SEARCHING && now.counters.frames > MANY_FRAMES &&
+        !told_not_locked_) {
+        told_not_locked_ = true;
+        say(Severity::error, "pair.not_locked",
+            "pictures come and their pulses are not known: stop, and start again");
+    }
     if (!all && now_host_ns - told_host_ns_ < 1'000'000'000) {
         return;
     }
@@ -248,6 +257,15 @@ opms_pair_summary_t Pairing::summary() const
                   opms_pair_state_name(summary.state), n(c.triggers), n(c.triggers_paired),
                   n(c.triggers_missing), n(c.triggers_uncertain), n(c.frames));
     return summary;
+}
+
+bool Pairing::is_clock_known() const
+{
+    opms_clock_fit_t fit{};
+    if (clock()) {
+        opms_clock_get(clock(), &fit);
+    }
+    return fit.state == OPMS_CLOCK_FITTED;
 }
 
 const opms_clock_t *Pairing::clock() const

@@ -45,6 +45,8 @@ public:
     opms_pair_summary_t summary() const;
     /** NULL before fit(). */
     const opms_clock_t *clock() const;
+    /** Whether arrivals may be a witness: a line goes through some round trips. */
+    bool is_clock_known() const;
     /** The newest round trips, oldest first, of the box's present boot. */
     const std::deque<ClockRecord> &round_trips() const { return round_trips_; }
     /** @return Whether the item was a round trip; it is the last of round_trips() then. */
@@ -64,6 +66,7 @@ private:
     opms_pair_state_t told_state_ = OPMS_PAIR_CLOSED;
     opms_pair_counters_t told_{};
     std::int64_t told_host_ns_ = 0;
+    bool told_not_locked_ = false;
     std::deque<ClockRecord> round_trips_;
     std::uint32_t boot_id_ = 0; /**< of the round trips */
 };

@@ -4,6 +4,8 @@
 
 #include <chrono>
 
+#include "standstill_guard.hpp"
+
 namespace opms_host {
 namespace {
 
@@ -14,24 +16,6 @@ constexpr std::int64_t SETTLE_NS = 3'000'000'000;
 constexpr std::int64_t MAX_WAIT_NS = 6'000'000'000; /* the pairer's default */
 /* After a box has gone, pictures that were on their way come within this time. */
 constexpr std::int64_t ON_THE_WAY_NS = 500'000'000;
-
-/** A clock that stands still (a simulated one that nobody drives) must not hold up the end. */
-class StandstillGuard {
-public:
-    bool stands_still(std::int64_t now_ns)
-    {
-        const auto now = std::chrono::steady_clock::now();
-        if (now_ns != last_ns_) {
-            last_ns_ = now_ns;
-            moved_ = now;
-        }
-        return now - moved_ > 5s;
-    }
-
-private:
-    std::int64_t last_ns_ = -1;
-    std::chrono::steady_clock::time_point moved_{};
-};
 
 SessionState state_after(const std::string &reason)
 {

@@ -153,8 +153,7 @@ void SessionCore::tell_recording()
 bool SessionCore::begin_scan(const ScanStart &start, std::string &error)
 {
     if (start.with_box &&
-        !(pairing_.fit(start.profile, error) &&
-          pairing_.open(start.boot_id, start.session_id, start.settings, error))) {
+        !pairing_.open(start.boot_id, start.session_id, start.settings, error)) {
         return false;
     }
     counts_ = SessionStatus();

@@ -44,6 +44,13 @@ public:
     /** Let time pass. */
     void advance();
 
+    /** Make ready to pair with this camera, between scans. */
+    bool fit_pairing(const opms_camera_profile_t &profile, std::string &error)
+    {
+        return pairing_.fit(profile, error);
+    }
+    bool is_box_clock_known() const { return pairing_.is_clock_known(); }
+
     /* A scan. */
     bool begin_scan(const ScanStart &start, std::string &error);
     /** Whether pictures belong to a scan now. */

@@ -83,11 +83,13 @@ private:
     void control_light(const Frame &frame, const BarInPicture &bar, PoseRecord &pose);
     void fit_light();
     void tell_light(const PoseRecord &pose);
+    void tell_blur(const PoseRecord &pose);
     void show(const FramePtr &frame, const PoseRecord &pose);
 
     /* session_scan.cpp */
     bool may_start(const ScanRequest &request, std::string &error);
     bool prepare_box(ScanStart &start, std::string &error);
+    void wait_for_box_clock(Lock &lock);
     bool begin_recording(const ScanRequest &request, ScanStart &start, std::string &error);
     ScanHeader scan_header(const ScanRequest &request, const ScanStart &start) const;
     bool arm(std::uint32_t session_id, std::string &error);
@@ -132,6 +134,8 @@ private:
     std::unique_ptr<FrameLocator> locator_;
     std::unique_ptr<LightLoop> light_;
     std::uint32_t frames_not_reported_ = 0;
+    BlurVerdict told_blur_ = BlurVerdict::unknown, seen_blur_ = BlurVerdict::unknown;
+    std::uint32_t blur_seen_ = 0; /**< pictures in a row of this verdict */
     opms_exposure_state_t told_light_ = OPMS_EXPOSURE_SEARCHING;
     std::atomic<bool> camera_is_new_{true};
 

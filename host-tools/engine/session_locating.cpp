@@ -40,6 +40,7 @@ void LiveSession::Impl::locate(const Work &work)
     BarInPicture bar;
     locator_->locate(*work.frame, *pose, bar);
     control_light(*work.frame, bar, *pose);
+    tell_blur(*pose);
     pose->located_host_ns = devices_.clock->now_ns();
     show(work.frame, *pose);
     const Lock lock(mutex_);
@@ -134,6 +135,41 @@ void LiveSession::Impl::tell_light(const PoseRecord &pose)
                          "too bright: exposure and gain are at their limits");
     } else {
         core_.tell_often(Severity::info, "light.well", "the light is well again");
+    }
+}
+
+/** Tell what a person could do about the blur, once it has stood for ten pictures. */
+void LiveSession::Impl::tell_blur(const PoseRecord &pose)
+{
+    constexpr std::uint32_t STANDS = 10;
+    if (pose.blur == BlurVerdict::unknown) {
+        return;
+    }
+    blur_seen_ = pose.blur == seen_blur_ ? blur_seen_ + 1 : 1;
+    seen_blur_ = pose.blur;
+    if (blur_seen_ < STANDS || pose.blur == told_blur_) {
+        return;
+    }
+    const bool is_first = told_blur_ == BlurVerdict::unknown;
+    told_blur_ = pose.blur;
+    const Lock lock(mutex_);
+    switch (pose.blur) {
+    case BlurVerdict::unknown: break;
+    case BlurVerdict::sharp:
+        if (!is_first) {
+            core_.tell(Severity::info, "blur.sharp", "the pictures are sharp again");
+        }
+        break;
+    case BlurVerdict::focus:
+        core_.tell(Severity::warning, "blur.focus", "out of focus: turn the lens");
+        break;
+    case BlurVerdict::motion:
+        core_.tell(Severity::warning, "blur.motion", "blurred by motion: move slower");
+        break;
+    case BlurVerdict::aperture:
+        core_.tell(Severity::warning, "blur.aperture",
+                   "sharp in places alone: close the aperture");
+        break;
     }
 }
 

@@ -7,6 +7,7 @@
 #include <random>
 
 #include "code_versions.hpp"
+#include "standstill_guard.hpp"
 
 namespace opms_host {
 namespace {
@@ -80,7 +81,11 @@ bool LiveSession::Impl::prepare_box(ScanStart &start, std::string &error)
         !devices_.box->settings(report, error)) {
         return false;
     }
-    const Lock lock(mutex_);
+    Lock lock(mutex_);
+    if (!core_.fit_pairing(start.profile, error)) {
+        return false;
+    }
+    wait_for_box_clock(lock);
     disarm_wanted_ = false;
     start.with_box = true;
     start.settings = report.settings;
@@ -88,6 +93,24 @@ bool LiveSession::Impl::prepare_box(ScanStart &start, std::string &error)
     start.session_id = new_session_id();
     start.period_ns = report.settings.period_us * std::int64_t{1000};
     return true;
+}
+
+/** Right after the box was plugged in its clock is not known, and nothing could be learnt from the
+ * preamble. */
+void LiveSession::Impl::wait_for_box_clock(Lock &lock)
+{
+    constexpr std::int64_t LONGEST_NS = 6'000'000'000;
+    const std::int64_t deadline_ns = devices_.clock->now_ns() + LONGEST_NS;
+    StandstillGuard guard;
+    while (!quit_ && !core_.is_box_clock_known()) {
+        const std::int64_t now_ns = devices_.clock->now_ns();
+        if (now_ns > deadline_ns || guard.stands_still(now_ns)) {
+            core_.tell(Severity::warning, "box.clock_unknown",
+                       "the box does not answer pings: pulses may not be paired");
+            return;
+        }
+        changed_.wait_for(lock, 5ms);
+    }
 }
 
 ScanHeader LiveSession::Impl::scan_header(const ScanRequest &request,

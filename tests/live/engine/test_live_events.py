@@ -8,7 +8,8 @@ ROOT = Path(__file__).resolve().parents[3]
 FOLDERS = ("engine", "recording", "sensors", "console")
 KINDS = "box|camera|pair|frames|light|blur|recording|sensor|session"
 CODE = re.compile(rf'"((?:{KINDS})\.[a-z_]+)"')
-# Names of fields and columns look alike: a code stands behind a severity, or is the reason of an end.
+# Names of fields and columns look alike: a code stands behind a severity, or is the reason of an
+# end.
 TOLD = re.compile(r"(?:Severity::\w+,|over_ =|request_finish\(|take_state\(|reason ==)[^;]*;")
 
 
