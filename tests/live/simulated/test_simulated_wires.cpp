@@ -9,6 +9,11 @@
 #include <string>
 #include <vector>
 
+#include <arpa/inet.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
 #include <opms/hid.h>
 #include <opms/pair.h>
 #include <unity.h>
@@ -100,7 +105,7 @@ template <typename Enough> static void run_until(Bench &bench, const char *what,
     }
 }
 
-static void open(Bench &bench)
+static void open_bench(Bench &bench)
 {
     opms_error_t error = {};
     opms_box_options_t place;
@@ -163,7 +168,7 @@ static void judge(const Bench &bench)
 static void test_frames_of_the_firmwares_pulses_are_paired_with_their_triggers(void)
 {
     Bench bench;
-    open(bench);
+    open_bench(bench);
     run_until(bench, "WAITING", [&] { return bench.state == OPMS_BOX_WAITING; });
     TEST_ASSERT_EQUAL(OPMS_OK, opms_box_emulate_line(bench.box, OPMS_EMULATED_START, true, 1000,
                                                      nullptr));
@@ -186,6 +191,34 @@ static void test_frames_of_the_firmwares_pulses_are_paired_with_their_triggers(v
     opms_box_close(bench.box);
 }
 
+static void test_a_camera_that_sends_nonsense_is_cut_off_and_the_next_one_is_served(void)
+{
+    const int raw = socket(AF_INET, SOCK_STREAM, 0);
+    sockaddr_in address = {};
+    address.sin_family = AF_INET;
+    address.sin_port = htons(port_of("OPMS_WIRES_PORT"));
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    TEST_ASSERT_EQUAL(0, connect(raw, reinterpret_cast<sockaddr *>(&address), sizeof address));
+    const char nonsense[] = "no message of any kind";
+    TEST_ASSERT_EQUAL(sizeof nonsense, send(raw, nonsense, sizeof nonsense, MSG_NOSIGNAL));
+    char answer = 0;
+    TEST_ASSERT_TRUE(recv(raw, &answer, 1, 0) <= 0);
+    close(raw);
+
+    SimulatedRequest request;
+    request.source_options =
+        "pictures=blank,wires=" + std::to_string(port_of("OPMS_WIRES_PORT"));
+    Devices devices;
+    OpenError problem;
+    std::string text;
+    TEST_ASSERT_TRUE(simulated_devices(request, devices, problem));
+    TEST_ASSERT_TRUE_MESSAGE(devices.source->start(SourceStart(), text), text.c_str());
+    SourceStart free_running;
+    free_running.hardware_trigger = false;
+    devices.source->stop();
+    TEST_ASSERT_FALSE(devices.source->start(free_running, text));
+}
+
 static void test_a_port_without_wires_is_told(void)
 {
     SimulatedRequest request;
@@ -202,6 +235,7 @@ int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(test_frames_of_the_firmwares_pulses_are_paired_with_their_triggers);
+    RUN_TEST(test_a_camera_that_sends_nonsense_is_cut_off_and_the_next_one_is_served);
     RUN_TEST(test_a_port_without_wires_is_told);
     return UNITY_END();
 }
