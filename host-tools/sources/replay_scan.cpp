@@ -6,7 +6,7 @@
 #include <limits>
 #include <unordered_map>
 
-#include "replay_rows.hpp"
+#include "recorded_items.hpp"
 #include "scan_reader.hpp"
 
 namespace opms_host {
@@ -22,7 +22,7 @@ std::shared_ptr<ReplayScan> ReplayScan::open(const std::string &folder, std::str
 bool ReplayScan::read(const std::string &folder, std::string &error)
 {
     const std::unique_ptr<ScanReader> reader = ScanReader::open(folder, error);
-    if (!reader || !replay_box_items(*reader, items_, error)) {
+    if (!reader || !recorded_items(*reader, items_, error)) {
         return false;
     }
     header_ = reader->summary().header;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "replay_rows.hpp"
+#include "recorded_items.hpp"
 
 #include <algorithm>
 
@@ -61,7 +61,7 @@ bool report_item(const BoxReportRecord &record, opms_box_item_t &item)
 
 }  // namespace
 
-bool replay_box_items(ScanReader &reader, std::vector<opms_box_item_t> &items, std::string &error)
+bool recorded_items(ScanReader &reader, std::vector<opms_box_item_t> &items, std::string &error)
 {
     const std::uint32_t boot_id = reader.summary().header.boot_id;
     const bool good =
