@@ -8,8 +8,6 @@
 #include <set>
 #include <utility>
 
-#include <opencv2/imgcodecs.hpp>
-
 namespace opms_host {
 
 namespace {
@@ -29,23 +27,6 @@ std::string shard_path(std::uint64_t number)
 std::string aside(const std::string &path)
 {
     return path + ".part";
-}
-
-std::vector<std::uint8_t> png(const cv::Mat &picture)
-{
-    /* Neighbours differ little: the row filter does the work, and runs of equal differences are all
-     * that is worth looking for at 60 pictures a second. */
-    static const std::vector<int> fast = {cv::IMWRITE_PNG_COMPRESSION, 1,
-                                          cv::IMWRITE_PNG_STRATEGY, cv::IMWRITE_PNG_STRATEGY_RLE};
-    std::vector<std::uint8_t> bytes;
-    try {
-        if (!cv::imencode(".png", picture, bytes, fast)) {
-            bytes.clear();
-        }
-    } catch (const cv::Exception &) {
-        bytes.clear();
-    }
-    return bytes;
 }
 
 void copy_rows(const opms_image_t &image, std::size_t row_bytes, std::vector<std::uint8_t> &pixels)
@@ -163,10 +144,11 @@ void PictureStore::pack_all()
         Raw raw = std::move(raw_.front());
         raw_.pop_front();
         in_hand_++;
+        const auto effort = raw_.size() > most_ / 4 ? PngEffort::none : PngEffort::pack;
         lock.unlock();
         StoredPicture picture;
         FileTrouble trouble;
-        const bool good = pack(raw, picture, trouble);
+        const bool good = pack(raw, effort, picture, trouble);
         if (!good) {
             give_up(trouble);
         }
@@ -208,12 +190,11 @@ void PictureStore::sync_all()
     }
 }
 
-bool PictureStore::pack(const Raw &raw, StoredPicture &picture, FileTrouble &trouble)
+bool PictureStore::pack(const Raw &raw, PngEffort effort, StoredPicture &picture,
+                        FileTrouble &trouble)
 {
-    /* OpenCV only reads it, but its matrix has no way to say so. */
-    const cv::Mat view(raw.height_px, raw.width_px, raw.is_16_bit ? CV_16UC1 : CV_8UC1,
-                       const_cast<std::uint8_t *>(raw.pixels.data()));
-    const std::vector<std::uint8_t> bytes = png(view);
+    const GreyPicture grey = {raw.width_px, raw.height_px, raw.is_16_bit, raw.pixels.data()};
+    const std::vector<std::uint8_t> bytes = grey_png(grey, effort);
     if (bytes.empty()) {
         trouble.number = EINVAL;
         trouble.text = "picture " + std::to_string(raw.number) + " cannot be packed";

@@ -3,7 +3,8 @@
  * Stores pictures without loss of a grey level, durably, behind the back of who hands them over.
  *
  * Two threads in a row: one packs (PNG) and writes aside, one syncs and renames. So the processor
- * works while the disk does, and a picture that has its name is whole. */
+ * works while the disk does, and a picture that has its name is whole. Where a quarter of the queue
+ * waits, pictures are no longer packed, only wrapped: room on the disk is given for time. */
 #ifndef OPMS_RECORDING_PICTURE_STORE_HPP
 #define OPMS_RECORDING_PICTURE_STORE_HPP
 
@@ -17,6 +18,7 @@
 #include <vector>
 
 #include "frame_source.hpp"
+#include "grey_png.hpp"
 #include "scan_files.hpp"
 
 namespace opms_host {
@@ -61,7 +63,7 @@ private:
     };
     void pack_all();
     void sync_all();
-    bool pack(const Raw &raw, StoredPicture &picture, FileTrouble &trouble);
+    bool pack(const Raw &raw, PngEffort effort, StoredPicture &picture, FileTrouble &trouble);
     bool make_durable(const std::vector<StoredPicture> &batch, FileTrouble &trouble);
     bool make_shard(std::uint64_t number, FileTrouble &trouble);
     void give_up(const FileTrouble &trouble);

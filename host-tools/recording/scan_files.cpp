@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "scan_files.hpp"
 
-#include <array>
 #include <cerrno>
 #include <cstring>
 
 #include <fcntl.h>
 #include <sys/stat.h>
 #include <unistd.h>
+#include <zlib.h>
 
 namespace opms_host {
 
@@ -47,28 +47,6 @@ bool sync_path(const std::string &path, int flags, FileTrouble &trouble)
         return fail("synced", path, trouble);
     }
     return true;
-}
-
-std::array<std::uint32_t, 256> crc32_table()
-{
-    std::array<std::uint32_t, 256> table{};
-    for (std::uint32_t i = 0; i < 256; i++) {
-        std::uint32_t value = i;
-        for (int bit = 0; bit < 8; bit++) {
-            value = value & 1 ? 0xEDB88320U ^ (value >> 1) : value >> 1;
-        }
-        table[i] = value;
-    }
-    return table;
-}
-
-std::uint32_t crc32_add(std::uint32_t state, const std::uint8_t *bytes, std::size_t size)
-{
-    static const std::array<std::uint32_t, 256> table = crc32_table();
-    for (std::size_t i = 0; i < size; i++) {
-        state = table[(state ^ bytes[i]) & 0xff] ^ (state >> 8);
-    }
-    return state;
 }
 
 }  // namespace
@@ -118,17 +96,17 @@ bool folder_make(const std::string &path, FileTrouble &trouble)
 
 std::uint32_t crc32_of(const std::uint8_t *bytes, std::size_t size)
 {
-    return ~crc32_add(0xffffffffU, bytes, size);
+    return static_cast<std::uint32_t>(crc32_z(0, bytes, size));
 }
 
-bool file_crc32(const std::string &path, std::uint64_t &bytes, std::uint32_t &crc32)
+bool file_crc32(const std::string &path, std::uint64_t &bytes, std::uint32_t &found)
 {
     const OpenFile file(path, O_RDONLY | O_CLOEXEC);
     if (!file.is_open()) {
         return false;
     }
     std::vector<std::uint8_t> buffer(1 << 18);
-    std::uint32_t state = 0xffffffffU;
+    uLong sum = crc32_z(0, nullptr, 0);
     bytes = 0;
     for (;;) {
         const ssize_t some = ::read(file.get(), buffer.data(), buffer.size());
@@ -136,11 +114,11 @@ bool file_crc32(const std::string &path, std::uint64_t &bytes, std::uint32_t &cr
             continue;
         }
         if (some <= 0) {
-            crc32 = ~state;
+            found = static_cast<std::uint32_t>(sum);
             return some == 0;
         }
         bytes += static_cast<std::uint64_t>(some);
-        state = crc32_add(state, buffer.data(), static_cast<std::size_t>(some));
+        sum = crc32_z(sum, buffer.data(), static_cast<std::size_t>(some));
     }
 }
 

@@ -30,7 +30,7 @@ bool folder_make(const std::string &path, FileTrouble &trouble);
 /** The sum that PNG and zlib use, too. */
 std::uint32_t crc32_of(const std::uint8_t *bytes, std::size_t size);
 /** @return False where the file cannot be read. */
-bool file_crc32(const std::string &path, std::uint64_t &bytes, std::uint32_t &crc32);
+bool file_crc32(const std::string &path, std::uint64_t &bytes, std::uint32_t &found);
 
 }  // namespace opms_host
 #endif
