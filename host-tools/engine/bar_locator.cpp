@@ -14,6 +14,7 @@
 namespace opms_host {
 namespace {
 
+constexpr std::int64_t BLUR_EVERY_NS = 80'000'000;
 constexpr std::int64_t HINT_OLD_NS = 1'000'000'000; /* a hand has moved on by then */
 
 struct FreeLocator {
@@ -97,11 +98,17 @@ private:
         if (residuals && pose.location.state == OPMS_BAR_LOCATED) {
             pose.residuals_px.assign(residuals, residuals + count);
         }
+        pose.blur_px = {pose.location.bar.blur_px[0], pose.location.bar.blur_px[1]};
     }
 
-    /** How sharp the bar is, and what a person could do about it. */
-    static void judge_blur(const Frame &frame, PoseRecord &pose)
+    /** How sharp the bar is, and what a person could do about it: ten times a second at most, no
+     * lens is turned faster. */
+    void judge_blur(const Frame &frame, PoseRecord &pose)
     {
+        if (std::llabs(frame.arrival_host_ns - blur_host_ns_) < BLUR_EVERY_NS) {
+            return;
+        }
+        blur_host_ns_ = frame.arrival_host_ns;
         opms_blur_t blur{};
         const auto count = static_cast<std::uint32_t>(pose.squares.size());
         if (pose.location.state != OPMS_BAR_LOCATED ||
@@ -149,7 +156,7 @@ private:
     BarMotion motion_;
     bool has_last_ = false;
     opms_transform_t last_{};
-    std::int64_t last_host_ns_ = 0;
+    std::int64_t last_host_ns_ = 0, blur_host_ns_ = 0;
 };
 
 #ifdef OPMS_ENGINE_HAVE_APRILTAG

@@ -9,6 +9,8 @@ namespace opms_host {
 namespace {
 
 constexpr std::size_t ROUND_TRIPS = 31; /* as many as a clock remembers */
+/* docs/pairing.md: beyond it arrivals are no witness. */
+constexpr std::int64_t CLOCK_BOUND_NS = 1'500'000;
 /* By so many the preamble is over, and later ones hardly help. */
 constexpr std::uint64_t MANY_FRAMES = 30;
 
@@ -265,7 +267,7 @@ bool Pairing::is_clock_known() const
     if (clock()) {
         opms_clock_get(clock(), &fit);
     }
-    return fit.state == OPMS_CLOCK_FITTED;
+    return fit.state == OPMS_CLOCK_FITTED && fit.bound_ns <= CLOCK_BOUND_NS;
 }
 
 const opms_clock_t *Pairing::clock() const

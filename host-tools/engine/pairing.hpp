@@ -45,7 +45,8 @@ public:
     opms_pair_summary_t summary() const;
     /** NULL before fit(). */
     const opms_clock_t *clock() const;
-    /** Whether arrivals may be a witness: a line goes through some round trips. */
+    /** Whether arrivals may be a witness: a line goes through some round trips, and they
+     * were short. */
     bool is_clock_known() const;
     /** The newest round trips, oldest first, of the box's present boot. */
     const std::deque<ClockRecord> &round_trips() const { return round_trips_; }

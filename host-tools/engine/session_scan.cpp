@@ -99,7 +99,7 @@ bool LiveSession::Impl::prepare_box(ScanStart &start, std::string &error)
  * preamble. */
 void LiveSession::Impl::wait_for_box_clock(Lock &lock)
 {
-    constexpr std::int64_t LONGEST_NS = 6'000'000'000;
+    constexpr std::int64_t LONGEST_NS = 4'000'000'000;
     const std::int64_t deadline_ns = devices_.clock->now_ns() + LONGEST_NS;
     StandstillGuard guard;
     while (!quit_ && !core_.is_box_clock_known()) {

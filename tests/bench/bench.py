@@ -21,6 +21,7 @@ from bench_build import ROOT, build_program, install_napa
 from bench_calib_peers import calibration
 from bench_calib_progress import progress
 from bench_calibration import covariance, volume_rows
+from bench_live import live
 from bench_peers import all_peers
 from bench_render import KINDS, Light
 from bench_report import CALIBRATION_MARKERS, plot, table_markdown, verdicts, write_docs
@@ -51,6 +52,10 @@ def arguments() -> argparse.Namespace:
                              "file; --data: pictures of the grid")
     choice.add_argument("--progress", action="store_true",
                         help="time of one more picture in a calibration of 12 and of 60")
+    choice.add_argument("--live", action="store_true",
+                        help="latency, processor time and memory of the live system")
+    parser.add_argument("--firmware", type=Path, metavar="FILE",
+                        help="firmware for the emulated box of --live (default: that of ./run)")
     parser.add_argument("--quick", action="store_true", help="few pictures, to see that it works")
     parser.add_argument("--count", type=int, help="number of simulated pictures")
     parser.add_argument("--seed", type=int, default=1)
@@ -148,6 +153,8 @@ def main() -> int:
     options = arguments()
     options.work.mkdir(parents=True, exist_ok=True)
     light = Light()
+    if options.live:  # with all cores
+        return 0 if live(options.quick, options.work, options.firmware) else 1
     # One core for this process and all that it starts, peers and libopms alike.
     if hasattr(os, "sched_setaffinity"):
         os.sched_setaffinity(0, {max(os.sched_getaffinity(0))})
