@@ -15,7 +15,7 @@ extern "C" {
  *
  * @param columns  `count` of them, GRAM_ROWS numbers each; rows that do not count are 0
  * @param count    even
- * @param gram     count x count; the upper triangle is summed up, the lower one left as it may be */
+ * @param gram     count x count; the upper triangle is summed up, the lower one may be anything */
 void gram_add(const double *columns, int count, double *gram);
 
 #ifdef __cplusplus
