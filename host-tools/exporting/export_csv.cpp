@@ -208,12 +208,11 @@ bool export_csv(ScanReader &scan, const ExportRequest &request, ExportReport &re
     if (scan.summary().sensor_samples > 0) {
         sensors = OutputFile::open(sensors_path, request.may_replace, error);
         if (!sensors ||
-            !write_sensors(scan, request, times, track, report, *sensors, error) ||
-            !sensors->finish(error)) {
+            !write_sensors(scan, request, times, track, report, *sensors, error)) {
             return false;
         }
     }
-    if (!poses->finish(error)) {
+    if (!poses->seal(error) || (sensors && !sensors->finish(error)) || !poses->finish(error)) {
         return false;
     }
     report.files.push_back(request.out);

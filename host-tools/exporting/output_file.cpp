@@ -103,18 +103,31 @@ void OutputFile::flush()
     waiting_.clear();
 }
 
-bool OutputFile::finish(std::string &error)
+bool OutputFile::told(std::string &error) const
+{
+    if (error_number_ != 0) {
+        error = because(path_, error_number_) + "; nothing of it was kept";
+    }
+    return error_number_ == 0;
+}
+
+bool OutputFile::seal(std::string &error)
 {
     flush();
     if (error_number_ == 0 && ::fsync(descriptor_) != 0) {
         error_number_ = errno;
     }
-    if (error_number_ == 0 && ::rename(aside_.c_str(), path_.c_str()) != 0) {
-        error_number_ = errno;
-    }
-    if (error_number_ != 0) {
-        error = because(path_, error_number_) + "; nothing of it was kept";
+    return told(error);
+}
+
+bool OutputFile::finish(std::string &error)
+{
+    if (!seal(error)) {
         return false;
+    }
+    if (::rename(aside_.c_str(), path_.c_str()) != 0) {
+        error_number_ = errno;
+        return told(error);
     }
     ::close(descriptor_);
     descriptor_ = -1;

@@ -28,12 +28,16 @@ public:
     /** Bytes handed over so far. */
     std::uint64_t size() const { return size_; }
     bool failed() const { return error_number_ != 0; }
-    /** Sync and give the file its name. False with @p error. */
+    /** All of it is on the disk, not yet under its name: what can fail has failed by now. Where
+     * two files belong together, both before either finish(). False with @p error. */
+    bool seal(std::string &error);
+    /** Seal, and give the file its name. False with @p error. */
     bool finish(std::string &error);
 
 private:
     OutputFile(std::string path, std::string aside, int descriptor);
     void flush();
+    bool told(std::string &error) const;
 
     std::string path_, aside_, waiting_;
     int descriptor_;
