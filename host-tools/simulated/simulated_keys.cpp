@@ -187,6 +187,7 @@ std::vector<Key> plain_keys()
         {"exposure_delay", "frames until a command acts", whole(&W::exposure_delay_frames)},
         {"pictures", "rendered (beforehand), lazy or blank", set_pictures},
         {"frames", "different pictures; then the path repeats", whole(&W::frames)},
+        {"cache", "folder that keeps what was rendered", words(&W::cache_folder)},
         {"path_period", "s of the path for each pulse; 0: the box's period",
          number(&W::path_period_s)},
         {"max_speed", "m/s of the detector", number(&W::max_speed_m_s)},

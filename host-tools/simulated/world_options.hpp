@@ -95,6 +95,7 @@ struct WorldOptions {
     // Pictures.
     PictureMode pictures = PictureMode::rendered;
     std::uint32_t frames = 100; /**< different ones; the path repeats after so many pulses */
+    std::string cache_folder;  /**< rendered light is kept there; empty: it is not */
     double path_period_s = 0;  /**< of one pulse along the path; 0: the box's period */
     double max_speed_m_s = 1;
     std::string bar = "hope33";

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <sstream>
 
 #include "world_random.hpp"
 
@@ -46,6 +47,10 @@ WorldPictures::WorldPictures(const WorldOptions &options, double pulse_period_s)
     if (mode_ == PictureMode::blank) {
         return;
     }
+    const auto pixels =
+        static_cast<std::size_t>(width_px()) * static_cast<std::size_t>(height_px());
+    cache_ = std::make_unique<PictureCache>(options.cache_folder, description(options), pixels);
+    check_cache();
     const unsigned threads = std::clamp(std::thread::hardware_concurrency(), 1U, 16U);
     for (unsigned i = 0; i < std::min<unsigned>(threads, options.frames); ++i) {
         threads_.emplace_back([this] { render_all(); });
@@ -63,6 +68,36 @@ WorldPictures::~WorldPictures()
     next_ = count();
     for (std::thread &thread : threads_) {
         thread.join();
+    }
+}
+
+/** All that the light depends on. */
+std::string WorldPictures::description(const WorldOptions &options) const
+{
+    std::ostringstream text;
+    text.precision(17);
+    const sim::Camera &c = scene_.camera;
+    const sim::Pose &mounting = c.detector_camera;
+    for (const double value : {c.fx, c.fy, c.cx, c.cy, c.k1, c.k2, c.p1, c.p2, options.white,
+                               options.black, options.bar_tilt_deg, options.exposure_us,
+                               options.max_speed_m_s, pulse_period_s_}) {
+        text << value << ' ';
+    }
+    for (const double value : mounting.R.val) {
+        text << value << ' ';
+    }
+    text << mounting.t << ' ' << c.width << ' ' << c.height << ' ' << options.bar << ' '
+         << options.seed << ' ' << options.frames;
+    return text.str();
+}
+
+/** One picture is rendered to see whether those on the disk are of this very renderer. */
+void WorldPictures::check_cache() const
+{
+    const std::uint32_t probe = count() / 2;
+    std::vector<std::uint16_t> kept;
+    if (cache_->read(probe, kept) && kept != render(probe, false)) {
+        cache_->forget(count());
     }
 }
 
@@ -85,7 +120,12 @@ void WorldPictures::render_all()
 const std::vector<std::uint16_t> &WorldPictures::light(std::uint32_t index)
 {
     Light &light = light_[index];
-    std::call_once(light.once, [&] { light.pixels = render(index, false); });
+    std::call_once(light.once, [&] {
+        if (!cache_->read(index, light.pixels)) {
+            light.pixels = render(index, false);
+            cache_->write(index, light.pixels);
+        }
+    });
     return light.pixels;
 }
 

@@ -13,6 +13,7 @@
 #include <thread>
 #include <vector>
 
+#include "picture_cache.hpp"
 #include "simulate/simulate.hpp"
 #include "world_options.hpp"
 #include "world_path.hpp"
@@ -60,12 +61,15 @@ private:
     const std::vector<std::uint16_t> &light(std::uint32_t index);
     std::vector<std::uint16_t> render(std::uint32_t index, bool is_hidden) const;
     void make_noise(std::uint64_t seed);
+    std::string description(const WorldOptions &options) const;
+    void check_cache() const;
 
     opms::simulate::Scene scene_; /**< all but where the camera is */
     const PictureMode mode_;
     const double pulse_period_s_, shutter_s_;
     const DetectorPath path_;
     std::vector<Light> light_;
+    std::unique_ptr<PictureCache> cache_;
     Light hidden_;
     std::vector<std::int16_t> noise_; /**< of standard deviation 256 */
     std::atomic<std::uint32_t> next_{0};

@@ -2,6 +2,10 @@
 /* Pictures of the simulated camera show the bar from where the truth says the detector is. */
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <vector>
 
 #include <opms/locate.h>
 #include <unity.h>
@@ -165,6 +169,42 @@ static void test_the_path_is_smooth_periodic_and_no_faster_than_asked(void)
     TEST_ASSERT_DOUBLE_WITHIN(1e-12, 0, cv::norm(path.at(0).velocity_m_s));
 }
 
+/** All pixels that a world of this text shows in its run. */
+static std::vector<std::uint8_t> pixels_of(const std::string &text)
+{
+    WorldScene scene(picture_options("frames=2," + text));
+    std::vector<std::uint8_t> pixels;
+    for (const Taken &one : take(scene, 0.15)) {
+        const auto *const from = static_cast<const std::uint8_t *>(one.frame->image.pixels);
+        const std::ptrdiff_t size = one.frame->image.stride_bytes * one.frame->image.height_px;
+        pixels.insert(pixels.end(), from, from + size);
+    }
+    return pixels;
+}
+
+static void test_kept_pictures_are_the_same_and_those_of_another_renderer_are_not_used(void)
+{
+    const std::string folder = "test_simulated_cache";
+    std::filesystem::remove_all(folder);
+    const std::vector<std::uint8_t> fresh = pixels_of(""), first = pixels_of("cache=" + folder);
+    std::vector<std::filesystem::path> kept;
+    for (const auto &entry : std::filesystem::directory_iterator(folder)) {
+        kept.push_back(entry.path());
+    }
+    TEST_ASSERT_EQUAL(2, kept.size());
+    TEST_ASSERT_TRUE(fresh == first);
+    TEST_ASSERT_TRUE(fresh == pixels_of("cache=" + folder));
+    for (const auto &path : kept) {
+        std::fstream file(path, std::ios::in | std::ios::out | std::ios::binary);
+        file.seekp(100000);
+        file.write("another renderer", 16);
+    }
+    TEST_ASSERT_TRUE(fresh == pixels_of("cache=" + folder));
+    std::filesystem::resize_file(kept[0], 1000);
+    TEST_ASSERT_TRUE(fresh == pixels_of("cache=" + folder));
+    std::filesystem::remove_all(folder);
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -173,5 +213,6 @@ int main(void)
     RUN_TEST(test_levels_follow_exposure_gain_and_light);
     RUN_TEST(test_a_hidden_bar_is_not_there);
     RUN_TEST(test_the_path_is_smooth_periodic_and_no_faster_than_asked);
+    RUN_TEST(test_kept_pictures_are_the_same_and_those_of_another_renderer_are_not_used);
     return UNITY_END();
 }

@@ -149,8 +149,9 @@ static void open_bench(Bench &bench)
                                                 &settings, nullptr));
 }
 
-/** The camera's stamps are of the emulator's clock: exposure n, as the box saw it, and frame n differ
- * by the same everywhere. The pairer needs a punctual machine and may be unsure, but never wrong. */
+/** The camera's stamps are of the emulator's clock: exposure n, as the box saw it, and frame n
+ * differ by the same everywhere. The pairer needs a punctual machine and may be unsure, but never
+ * wrong. */
 static void judge(const Bench &bench)
 {
     std::vector<std::int64_t> differences;
