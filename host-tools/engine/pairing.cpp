@@ -261,10 +261,10 @@ opms_pair_summary_t Pairing::summary() const
     return summary;
 }
 
-bool Pairing::is_clock_known() const
+bool Pairing::is_clock_known(std::uint32_t boot_id) const
 {
     opms_clock_fit_t fit{};
-    if (clock()) {
+    if (clock() && boot_id == boot_id_) {
         opms_clock_get(clock(), &fit);
     }
     return fit.state == OPMS_CLOCK_FITTED && fit.bound_ns <= CLOCK_BOUND_NS;

@@ -45,9 +45,9 @@ public:
     opms_pair_summary_t summary() const;
     /** NULL before fit(). */
     const opms_clock_t *clock() const;
-    /** Whether arrivals may be a witness: a line goes through some round trips, and they
-     * were short. */
-    bool is_clock_known() const;
+    /** Whether arrivals may be a witness in this boot of the box: a line goes through some round
+     * trips, and they were short. */
+    bool is_clock_known(std::uint32_t boot_id) const;
     /** The newest round trips, oldest first, of the box's present boot. */
     const std::deque<ClockRecord> &round_trips() const { return round_trips_; }
     /** @return Whether the item was a round trip; it is the last of round_trips() then. */

@@ -49,7 +49,10 @@ public:
     {
         return pairing_.fit(profile, error);
     }
-    bool is_box_clock_known() const { return pairing_.is_clock_known(); }
+    bool is_box_clock_known(std::uint32_t boot_id) const
+    {
+        return pairing_.is_clock_known(boot_id);
+    }
 
     /* A scan. */
     bool begin_scan(const ScanStart &start, std::string &error);

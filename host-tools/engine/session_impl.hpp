@@ -79,6 +79,7 @@ private:
     /* session_locating.cpp */
     void locating_loop();
     void locate(const Work &work);
+    void check_size(const opms_image_t &image);
     bool is_reported(const Frame &frame);
     void control_light(const Frame &frame, const BarInPicture &bar, PoseRecord &pose);
     void fit_light();
@@ -89,7 +90,7 @@ private:
     /* session_scan.cpp */
     bool may_start(const ScanRequest &request, std::string &error);
     bool prepare_box(ScanStart &start, std::string &error);
-    void wait_for_box_clock(Lock &lock);
+    void wait_for_box_clock(Lock &lock, std::uint32_t boot_id);
     bool begin_recording(const ScanRequest &request, ScanStart &start, std::string &error);
     ScanHeader scan_header(const ScanRequest &request, const ScanStart &start) const;
     bool arm(std::uint32_t session_id, std::string &error);

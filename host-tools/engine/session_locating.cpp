@@ -38,6 +38,7 @@ void LiveSession::Impl::locate(const Work &work)
     pose->number = work.number;
     pose->arrival_host_ns = work.frame->arrival_host_ns;
     BarInPicture bar;
+    check_size(work.frame->image);
     locator_->locate(*work.frame, *pose, bar);
     control_light(*work.frame, bar, *pose);
     tell_blur(*pose);
@@ -48,6 +49,22 @@ void LiveSession::Impl::locate(const Work &work)
         core_.take_located(std::move(pose));
     }
     changed_.notify_all();
+}
+
+/** A camera that came later, or was set otherwise, may not be the one that was calibrated. */
+void LiveSession::Impl::check_size(const opms_image_t &image)
+{
+    if (options_.mode != SessionMode::position) {
+        return;
+    }
+    const opms_lens_t &lens = options_.camera->lens;
+    if (image.width_px != lens.width_px || image.height_px != lens.height_px) {
+        const Lock lock(mutex_);
+        core_.tell_often(Severity::error, "camera.wrong_size",
+                         "pictures of " + std::to_string(image.width_px) + " x " +
+                             std::to_string(image.height_px) +
+                             " px do not fit the camera file: nothing is located");
+    }
 }
 
 /** A control for the camera as it is now. */

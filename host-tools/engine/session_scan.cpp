@@ -85,7 +85,7 @@ bool LiveSession::Impl::prepare_box(ScanStart &start, std::string &error)
     if (!core_.fit_pairing(start.profile, error)) {
         return false;
     }
-    wait_for_box_clock(lock);
+    wait_for_box_clock(lock, identity.boot_id);
     disarm_wanted_ = false;
     start.with_box = true;
     start.settings = report.settings;
@@ -97,12 +97,12 @@ bool LiveSession::Impl::prepare_box(ScanStart &start, std::string &error)
 
 /** Right after the box was plugged in its clock is not known, and nothing could be learnt from the
  * preamble. */
-void LiveSession::Impl::wait_for_box_clock(Lock &lock)
+void LiveSession::Impl::wait_for_box_clock(Lock &lock, std::uint32_t boot_id)
 {
     constexpr std::int64_t LONGEST_NS = 4'000'000'000;
     const std::int64_t deadline_ns = devices_.clock->now_ns() + LONGEST_NS;
     StandstillGuard guard;
-    while (!quit_ && !core_.is_box_clock_known()) {
+    while (!quit_ && !core_.is_box_clock_known(boot_id)) {
         const std::int64_t now_ns = devices_.clock->now_ns();
         if (now_ns > deadline_ns || guard.stands_still(now_ns)) {
             core_.tell(Severity::warning, "box.clock_unknown",

@@ -61,7 +61,7 @@ def simulated_rows(program: Path, frames: int, seconds: float):
 
 def emulated_row(program: Path, frames: int, seconds: float, firmware: Path | None):
     """The box is a process of its own here: its load is not in the figures."""
-    firmware = firmware or ROOT / "build/firmware/opms_box.elf"
+    firmware = firmware or ROOT / "build/firmware/opms-box.uf2"
     if not firmware.is_file() or shutil.which("node") is None:
         print(f"bench: no row with the emulated firmware: it needs node and {firmware} "
               "(./run firmware)", file=sys.stderr)
@@ -87,8 +87,8 @@ def row_text(name: str, whole: dict, alone: dict | None) -> str:
     cores = whole["cores"] - alone["cores"] if alone else whole["cores"]
     own = f"{alone['cores']:.2f}" if alone else "in it"
     return (f"| {name} | {whole['pictures']} | {whole['located_ms']['p50']:.1f} | "
-            f"{delay['p50']:.1f} | {delay['p99']:.1f} | {delay['p999']:.1f} | {delay['most']:.1f} | "
-            f"{whole['missed']} | {whole['no_buffer']} | {cores:.2f} | {own} | "
+            f"{delay['p50']:.1f} | {delay['p99']:.1f} | {delay['p999']:.1f} | "
+            f"{delay['most']:.1f} | {whole['missed']} | {whole['no_buffer']} | {cores:.2f} | {own} | "
             f"{whole['session_mb']:.0f} | {whole['grown_mb']:+.1f} |")
 
 

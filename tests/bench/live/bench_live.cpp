@@ -89,8 +89,8 @@ public:
         const std::lock_guard<std::mutex> lock(mutex_);
         const auto missed = std::count_if(published_ms_.begin(), published_ms_.end(),
                                           [&](double delay) { return delay > period_ms; });
-        std::printf("\"pictures\":%zu,\"poses\":%zu,\"missed\":%zu,", located_ms_.size(), with_time_,
-                    static_cast<std::size_t>(missed));
+        std::printf("\"pictures\":%zu,\"poses\":%zu,\"missed\":%zu,", located_ms_.size(),
+                    with_time_, static_cast<std::size_t>(missed));
         print("located_ms", located_ms_);
         print("published_ms", published_ms_);
     }
@@ -104,8 +104,8 @@ private:
                 std::ceil(share * static_cast<double>(delays.size())));
             return delays.empty() ? -1.0 : delays[std::max<std::size_t>(rank, 1) - 1];
         };
-        std::printf("\"%s\":{\"p50\":%.3f,\"p99\":%.3f,\"p999\":%.3f,\"most\":%.3f},", name, at(0.5),
-                    at(0.99), at(0.999), at(1));
+        std::printf("\"%s\":{\"p50\":%.3f,\"p99\":%.3f,\"p999\":%.3f,\"most\":%.3f},", name,
+                    at(0.5), at(0.99), at(0.999), at(1));
     }
 
     std::mutex mutex_;

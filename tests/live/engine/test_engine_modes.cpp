@@ -179,6 +179,51 @@ void in_mode_calibration_a_picture_without_a_grid_says_so(void)
     scene.session.reset();
 }
 
+void the_start_waits_for_the_clock_of_this_boot_and_tells_where_it_stays_unknown(void)
+{
+    Scene scene;
+    scene.connect();
+    scene.reboot();
+    scene.taken();
+    std::atomic<bool> done{false};
+    std::thread time([&] {
+        while (!done) { /* nobody pings */
+            scene.clock->add(10 * MS);
+            std::this_thread::sleep_for(std::chrono::milliseconds(1));
+        }
+    });
+    std::string error;
+    const std::int64_t asked_ns = scene.clock->now_ns();
+    const bool has_begun = scene.session->software_start(ScanRequest(), error);
+    const std::int64_t waited_ns = scene.clock->now_ns() - asked_ns;
+    done = true;
+    time.join();
+    TEST_ASSERT_TRUE_MESSAGE(has_begun, error.c_str());
+    TEST_ASSERT_TRUE(waited_ns > 3000 * MS);
+    TEST_ASSERT_TRUE(eventually([&] { return scene.notes.events("box.clock_unknown") == 1; }));
+    TEST_ASSERT_TRUE(scene.stop());
+    scene.go(2000);
+    scene.begin();
+    scene.pulses(3);
+    TEST_ASSERT_TRUE(scene.stop());
+    TEST_ASSERT_EQUAL_INT(1, scene.notes.events("box.clock_unknown"));
+}
+
+void pictures_of_another_size_than_the_lens_are_told_and_not_located(void)
+{
+    Scene scene(SessionMode::position, false);
+    opms_camera_t camera{};
+    camera.lens = {640, 480, 500, 500, 320, 240, 0, 0, 0, 0};
+    scene.options.camera = camera;
+    scene.connect();
+    scene.begin();
+    scene.free_frame();
+    TEST_ASSERT_TRUE(eventually([&] { return scene.notes.pose_count() == 1; }));
+    TEST_ASSERT_EQUAL_INT(OPMS_BAR_ABSENT, scene.notes.poses()[0]->location.state);
+    TEST_ASSERT_EQUAL_INT(1, scene.notes.events("camera.wrong_size"));
+    TEST_ASSERT_TRUE(scene.stop());
+}
+
 void options_that_cannot_be_are_refused_in_words(void)
 {
     const auto refused = [](const std::function<void(Scene &)> &spoil) {
@@ -224,6 +269,8 @@ int main(void)
     RUN_TEST(box_and_camera_may_come_after_the_session);
     RUN_TEST(a_replay_waits_for_the_scan_and_ends_it);
     RUN_TEST(in_mode_calibration_a_picture_without_a_grid_says_so);
+    RUN_TEST(the_start_waits_for_the_clock_of_this_boot_and_tells_where_it_stays_unknown);
+    RUN_TEST(pictures_of_another_size_than_the_lens_are_told_and_not_located);
     RUN_TEST(options_that_cannot_be_are_refused_in_words);
     return UNITY_END();
 }

@@ -195,7 +195,7 @@ void a_reboot_of_the_box_ends_the_run_and_the_next_one_begins_afresh(void)
     TEST_ASSERT_FALSE(scene.session->software_stop(nullptr, error));
     const std::size_t before = scene.notes.pose_count();
     TEST_ASSERT_EQUAL_UINT64(16, before);
-    scene.go(2000);
+    scene.go(2000); /* the clock of this boot is to be learnt */
     scene.begin(true);
     scene.pulses(10);
     ScanEnd end;
