@@ -44,7 +44,12 @@ std::shared_ptr<ScanSink> make_recorder_sink(const RecorderOptions &options,
                                              std::shared_ptr<HostClock> clock,
                                              std::string &error)
 {
-    std::unique_ptr<Recorder> recorder = Recorder::begin(options, header, std::move(clock), error);
+    ScanHeader named = header;
+    named.name = scan_free_name(options.folder, header.name, header.begun_wall_ns, error);
+    if (named.name.empty()) {
+        return nullptr;
+    }
+    std::unique_ptr<Recorder> recorder = Recorder::begin(options, named, std::move(clock), error);
     return recorder ? std::make_shared<RecorderSink>(std::move(recorder)) : nullptr;
 }
 #else

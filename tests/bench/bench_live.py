@@ -23,6 +23,11 @@ SERVER = ROOT / "tests/emulator/box_server.mjs"
 START_S = 120  # rendering and starting may take that long on a busy machine
 
 
+HEAD = ("| | pictures | located p50, ms | published p50, ms | p99 | p99.9 | most | "
+        "missed deadlines | no buffer | cores, session | cores, generator | session, MB | "
+        "grown, MB |\n|---|---|---|---|---|---|---|---|---|---|---|---|---|")
+
+
 def build(work: Path) -> Path | None:
     """A release build of its own, with the live system and this bench alone."""
     folder = work / "live"
@@ -50,16 +55,16 @@ def measure(program: Path, box: str, source: str, hz: float, seconds: float,
     return json.loads(done.stdout)
 
 
-def simulated_rows(program: Path, frames: int, seconds: float):
+def simulated_rows(program: Path, pictures: str, seconds: float):
     for hz in RATES_HZ:
-        text = f"simulated:frames={frames},camera={CAMERA},hz={hz},ping_ms=100"
+        text = f"{pictures},hz={hz},ping_ms=100"
         whole = measure(program, text, text, hz, seconds)
         alone = measure(program, text, text, hz, seconds, "--generator")
         if whole and alone:
             yield f"{hz} Hz, simulated box", whole, alone
 
 
-def emulated_row(program: Path, frames: int, seconds: float, firmware: Path | None):
+def emulated_row(program: Path, pictures: str, seconds: float, firmware: Path | None):
     """The box is a process of its own here: its load is not in the figures."""
     firmware = firmware or ROOT / "build/firmware/opms-box.uf2"
     if not firmware.is_file() or shutil.which("node") is None:
@@ -73,8 +78,7 @@ def emulated_row(program: Path, frames: int, seconds: float, firmware: Path | No
     try:
         server.stdout.readline()
         server.stdout.readline()
-        source = f"simulated:frames={frames},camera={CAMERA},wires={port + 1}"
-        whole = measure(program, f"emulated:{port}", source, 10, seconds)
+        whole = measure(program, f"emulated:{port}", f"{pictures},wires={port + 1}", 10, seconds)
         if whole:
             yield "10 Hz, firmware in the emulator", whole, None
     finally:
@@ -86,10 +90,11 @@ def row_text(name: str, whole: dict, alone: dict | None) -> str:
     delay = whole["published_ms"]
     cores = whole["cores"] - alone["cores"] if alone else whole["cores"]
     own = f"{alone['cores']:.2f}" if alone else "in it"
-    return (f"| {name} | {whole['pictures']} | {whole['located_ms']['p50']:.1f} | "
-            f"{delay['p50']:.1f} | {delay['p99']:.1f} | {delay['p999']:.1f} | "
-            f"{delay['most']:.1f} | {whole['missed']} | {whole['no_buffer']} | {cores:.2f} | {own} | "
-            f"{whole['session_mb']:.0f} | {whole['grown_mb']:+.1f} |")
+    cells = [name, whole["pictures"], f"{whole['located_ms']['p50']:.1f}"]
+    cells += [f"{delay[figure]:.1f}" for figure in ("p50", "p99", "p999", "most")]
+    cells += [whole["missed"], whole["no_buffer"], f"{cores:.2f}", own,
+              f"{whole['session_mb']:.0f}", f"{whole['grown_mb']:+.1f}"]
+    return f"| {' | '.join(map(str, cells))} |"
 
 
 def live(quick: bool, work: Path, firmware: Path | None) -> bool:
@@ -98,12 +103,14 @@ def live(quick: bool, work: Path, firmware: Path | None) -> bool:
     if program is None:
         return False
     frames, seconds = (20, 4.0) if quick else (600, 60.0)
-    rows = list(simulated_rows(program, frames, seconds))
+    cache = work / "live-pictures"
+    cache.mkdir(parents=True, exist_ok=True)
+    # One path for all rates, so that its pictures are rendered once.
+    pictures = f"simulated:frames={frames},camera={CAMERA},cache={cache},path_period=0.1"
+    rows = list(simulated_rows(program, pictures, seconds))
     simulated = len(rows)
-    rows += list(emulated_row(program, frames, seconds, firmware))
-    print("| | pictures | located p50, ms | published p50, ms | p99 | p99.9 | most | "
-          "missed deadlines | no buffer | cores, session | cores, generator | session, MB | "
-          "grown, MB |\n|---|---|---|---|---|---|---|---|---|---|---|---|---|")
+    rows += list(emulated_row(program, pictures, seconds, firmware))
+    print(HEAD)
     for row in rows:
         print(row_text(*row))
     missed = sum(whole["missed"] for _, whole, _ in rows)
