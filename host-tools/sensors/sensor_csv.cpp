@@ -3,7 +3,7 @@
 
 #include <algorithm>
 #include <charconv>
-#include <limits>
+#include <cmath>
 
 namespace opms_host {
 
@@ -131,9 +131,8 @@ bool SensorCsv::take_cell(Column column, std::string_view cell, SensorSample &sa
     if (column == Column::number) {
         return parse_number(cell, sample.record.number);
     }
-    double value = std::numeric_limits<double>::quiet_NaN();
-    const bool missing = cell.empty() && column == Column::value;
-    if (!missing && !parse_number(cell, value)) {
+    double value = 0;
+    if (!parse_number(cell, value) || !std::isfinite(value)) {
         return false;
     }
     switch (column) {

@@ -7,7 +7,7 @@
  *
  * The first line names the columns: exactly one of t_scan_s (seconds since the hardware start) and
  * t_unix_s (since 1970 UTC), at will number and t_bound_s, and one or more values of any name.
- * Columns are parted by commas, never quoted; an empty cell of a value is a value that is missing.
+ * Columns are parted by commas, never quoted; each cell holds a finite number.
  * Empty lines, and such that begin with '#', are passed over. */
 #ifndef OPMS_SENSORS_SENSOR_CSV_HPP
 #define OPMS_SENSORS_SENSOR_CSV_HPP

@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "sensor_json.hpp"
 
-#include <limits>
-
 namespace opms_host {
 
 namespace {
@@ -66,12 +64,11 @@ bool read_values(const Json &value, SensorSample &sample, std::string &error)
         return false;
     }
     for (const Json &item : value) {
-        if (!item.is_number() && !item.is_null()) {
-            error = "\"values\" may hold numbers and null only";
+        if (!item.is_number()) {
+            error = "\"values\" may hold numbers only";
             return false;
         }
-        sample.record.values.push_back(item.is_null() ? std::numeric_limits<double>::quiet_NaN()
-                                                      : item.get<double>());
+        sample.record.values.push_back(item.get<double>());
     }
     return true;
 }

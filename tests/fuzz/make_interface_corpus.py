@@ -21,7 +21,7 @@ API = {
     "scan": (ENTERS, b"GET /api/v1/scans/lane%203\n\n"),
     "scan_escape": (ENTERS, b"GET /api/v1/scans/%2e%2e%2f%00\n\n"),
     "samples": (ENTERS, b"POST /api/v1/samples\n" + JSON + b"\n"
-                b'[{"sensor":"md","t_scan_s":1.25,"t_bound_s":1e-3,"number":7,"values":[1,null]},'
+                b'[{"sensor":"md","t_scan_s":1.25,"t_bound_s":1e-3,"number":7,"values":[1,-2.5]},'
                 b'{"sensor":"gpr","t_unix_s":1.8e9,"data":{"a":[{}]}}]'),
     "samples_deep": (ENTERS, b"POST /api/v1/samples\n" + JSON + b"\n" + b"[" * 200),
     "stream": (ENTERS | UPGRADE, b"GET /api/v1/stream?kinds=pose,event&squares=1\n\n"),

@@ -71,6 +71,7 @@ class Serve:
         self.process.kill()
         self.process.wait()
         self.process.stdout.close()
+        self.talk.close()
 
 
 def eventually(test, what, seconds=120):

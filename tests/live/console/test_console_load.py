@@ -172,7 +172,7 @@ class Stream(unittest.TestCase):
 
     def test_samples_go_in_by_the_stream(self):
         client = self.open()
-        sample = {"sensor": "md", "t_scan_s": 1.5, "values": [1, None]}
+        sample = {"sensor": "md", "t_scan_s": 1.5, "values": [1, -2]}
         self.bench.ask("scan")
         client.send({"type": "samples", "samples": sample, "id": "a"})
         self.assertEqual(client.receive_schema("opms.error/1")["error"]["code"], "state")

@@ -50,16 +50,18 @@ static void test_a_table_gives_samples_with_time_number_and_values(void)
     TEST_ASSERT_EQUAL_STRING("right", csv.value_names()[1].c_str());
 }
 
-static void test_an_empty_cell_is_a_missing_value_but_no_time(void)
+static void test_a_table_may_have_the_time_of_the_world(void)
 {
     SensorCsv csv = table("t_unix_s,a,b");
     SensorSample sample;
     std::string error;
-    TEST_ASSERT_TRUE(csv.take("1800000000.5,,2", sample, error) == CsvLine::sample);
+    TEST_ASSERT_TRUE(csv.take("1800000000.5,-1,2", sample, error) == CsvLine::sample);
     TEST_ASSERT_TRUE(sample.time == SampleTime::unix_utc);
     TEST_ASSERT_EQUAL_INT64(1'800'000'000'500'000'000, sample.t_unix_ns);
-    TEST_ASSERT_DOUBLE_IS_NAN(sample.record.values[0]);
-    TEST_ASSERT_TRUE(csv.take(",1,2", sample, error) == CsvLine::error);
+    TEST_ASSERT_EQUAL_DOUBLE(-1, sample.record.values[0]);
+    for (const char *wrong : {",1,2", "1800000000.5,,2", "1800000000.5,1,inf", "-1,1,2"}) {
+        TEST_ASSERT_TRUE_MESSAGE(csv.take(wrong, sample, error) == CsvLine::error, wrong);
+    }
 }
 
 static void test_wrong_lines_are_told_by_number_and_the_next_is_taken(void)
@@ -170,7 +172,7 @@ int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(test_a_table_gives_samples_with_time_number_and_values);
-    RUN_TEST(test_an_empty_cell_is_a_missing_value_but_no_time);
+    RUN_TEST(test_a_table_may_have_the_time_of_the_world);
     RUN_TEST(test_wrong_lines_are_told_by_number_and_the_next_is_taken);
     RUN_TEST(test_a_first_line_must_name_one_time_and_values);
     RUN_TEST(test_a_file_is_followed_while_it_grows_line_by_line);
