@@ -5,6 +5,7 @@
 #include <cctype>
 #include <cstdio>
 #include <ctime>
+#include <filesystem>
 
 #include "scan_times.hpp"
 #include "text_table.hpp"
@@ -40,10 +41,16 @@ const char *catalogue_state(const ScanSummary &scan)
     return scan.ended ? "whole" : "cut off";
 }
 
+std::string catalogue_name(const std::string &folder)
+{
+    const std::filesystem::path path = std::filesystem::path(folder).lexically_normal();
+    return (path.has_filename() ? path : path.parent_path()).filename().string();
+}
+
 bool catalogue_fits(const ScanSummary &scan, const CatalogueSearch &search)
 {
     const std::int64_t begun = scan.header.begun_wall_ns;
-    return (search.name.empty() || holds(scan.name, search.name)) &&
+    return (search.name.empty() || holds(catalogue_name(scan.folder), search.name)) &&
            (!search.from_wall_ns || begun >= *search.from_wall_ns) &&
            (!search.to_wall_ns || begun < *search.to_wall_ns);
 }
@@ -89,7 +96,7 @@ bool catalogue_parse_time(const std::string &text, std::int64_t &wall_ns, std::i
 nlohmann::ordered_json catalogue_row(const ScanSummary &scan)
 {
     return {{"schema", "opms.catalogue/1"},
-            {"name", scan.name},
+            {"name", catalogue_name(scan.folder)},
             {"folder", scan.folder},
             {"state", catalogue_state(scan)},
             {"begun", wall_time_text(scan.header.begun_wall_ns)},
@@ -115,7 +122,7 @@ std::string catalogue_heading(std::size_t name_width)
 
 std::string catalogue_line(const ScanSummary &scan, std::size_t name_width)
 {
-    return text_padded(scan.name, name_width) +
+    return text_padded(catalogue_name(scan.folder), name_width) +
            text_format("  %-20s  %-9s  %10.1f  %8llu  %5.0f%%  %7llu  %7.1f",
                        wall_time_text(scan.header.begun_wall_ns).c_str(), catalogue_state(scan),
                        scan.duration_s, static_cast<unsigned long long>(scan.poses),

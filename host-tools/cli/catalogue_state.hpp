@@ -15,6 +15,9 @@
 /** "recording", "whole", "recovered" (cut off and mended since) or "cut off". */
 const char *catalogue_state(const opms_host::ScanSummary &scan);
 
+/** The name that a scan goes by now: its folder's, which a person may have changed. */
+std::string catalogue_name(const std::string &folder);
+
 /** What `opms catalogue search` looks for; what is not given fits all. */
 struct CatalogueSearch {
     std::string name, text; /**< parts, whatever their case; `text` of events and settings */

@@ -9,6 +9,7 @@
 
 #include <sqlite3.h>
 
+#include "catalogue_state.hpp"
 #include "picture_file.hpp"
 #include "scan_reader.hpp"
 
@@ -179,12 +180,12 @@ private:
             outcome_.notes.push_back("is being recorded: sums are of what is there by now");
             return;
         }
-        if (!summary.ended) {
+        if (!summary.ended && !summary.recovered) {
             outcome_.problem("was cut off: 'opms catalogue verify --mend' brings it in order");
             return;
         }
-        if (!summary.end.has_summary || summary.recovered) {
-            return;
+        if (!summary.ended || !summary.end.has_summary) {
+            return; /* nobody counted to the end */
         }
         const opms_pair_counters_t &n = summary.end.summary.counters;
         if (!summary.end.summary.sums_hold) {
@@ -221,7 +222,7 @@ VerifyOutcome catalogue_verify(const std::string &folder)
 {
     VerifyOutcome outcome;
     std::string error;
-    outcome.name = std::filesystem::path(folder).filename().string();
+    outcome.name = catalogue_name(folder);
     check_database(folder, outcome);
     const auto scan = ScanReader::open(folder, error);
     if (!scan) {
@@ -229,7 +230,6 @@ VerifyOutcome catalogue_verify(const std::string &folder)
         return outcome;
     }
     outcome.readable = true;
-    outcome.name = scan->summary().name;
     ScanCheck(*scan, outcome).run();
     return outcome;
 }

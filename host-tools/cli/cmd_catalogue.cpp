@@ -48,7 +48,7 @@ int show_list(const CatalogueArguments &arguments, const std::vector<ScanSummary
 {
     std::vector<std::string> names;
     for (const ScanSummary &scan : scans) {
-        names.push_back(scan.name);
+        names.push_back(catalogue_name(scan.folder));
     }
     const std::size_t width = text_name_width(names);
     ResultStream out;

@@ -27,6 +27,8 @@ void add_cmd_locate(CLI::App &app, int &exit_code);
 void add_cmd_nodes(CLI::App &app, int &exit_code);
 void add_cmd_print(CLI::App &app, int &exit_code);
 void add_cmd_replay(CLI::App &app, int &exit_code);
+void add_cmd_scan(CLI::App &app, int &exit_code);
+void add_cmd_serve(CLI::App &app, int &exit_code);
 void add_cmd_siggen(CLI::App &app, int &exit_code);
 void add_cmd_simulate(CLI::App &app, int &exit_code);
 

@@ -41,6 +41,12 @@ int run(int argc, char **argv)
     add_cmd_simulate(app, exit_code);
 #endif
     add_cmd_box(app, exit_code);
+#ifdef OPMS_CLI_HAVE_LIVE
+    add_cmd_scan(app, exit_code);
+#endif
+#ifdef OPMS_CLI_HAVE_SERVE
+    add_cmd_serve(app, exit_code);
+#endif
 #ifdef OPMS_CLI_HAVE_SCANS
     add_cmd_replay(app, exit_code);
     add_cmd_export(app, exit_code);
