@@ -38,15 +38,7 @@ bool LiveControl::start_scan(const std::string &name, std::string &scan, Control
         return fail(error, ControlFailure::conflict, "a scan is going on already: stop it first");
     }
     std::string text;
-    ScanRequest request = options_.request(name);
-    if (request.recording) {
-        request.name =
-            scan_free_name(request.recording->folder, name, clock_->wall_ns(), text);
-        if (request.name.empty()) {
-            return fail(error, ControlFailure::invalid, text);
-        }
-    }
-    if (!session_.software_start(request, text)) {
+    if (!session_.software_start(options_.request(name), text)) {
         return fail(error, ControlFailure::unavailable, text);
     }
     scan = session_.status().scan;
