@@ -176,13 +176,27 @@ private:
         return true;
     }
 
+    /* What comes before it is open is told after: who hears of a connection may use it at once. */
     opms_status_t try_open(opms_error_t &why)
     {
+        {
+            const std::lock_guard<std::mutex> lock(mutex_);
+            opening_ = true;
+        }
         opms_box_t *box = nullptr;
         const opms_status_t status = opms_box_open(&options_, &box, &why);
         if (status == OPMS_OK) {
             box_ = box;
         }
+        {
+            const std::lock_guard<std::mutex> lock(mutex_);
+            opening_ = false;
+            if (status == OPMS_OK) {
+                items_.insert(items_.end(), held_.begin(), held_.end());
+            }
+            held_.clear();
+        }
+        came_.notify_one();
         return status;
     }
 
@@ -214,7 +228,9 @@ private:
     {
         {
             const std::lock_guard<std::mutex> lock(mutex_);
-            if (items_.size() < QUEUE_MOST) {
+            if (opening_) {
+                held_.push_back(item);
+            } else if (items_.size() < QUEUE_MOST) {
                 items_.push_back(item);
             } else if (items_.back().kind == OPMS_ITEM_LOST &&
                        items_.back().as.lost.what == OPMS_LOST_ITEMS) {
@@ -236,8 +252,8 @@ private:
 
     std::mutex mutex_;
     std::condition_variable came_;
-    std::deque<opms_box_item_t> items_;
-    bool woken_ = false;
+    std::deque<opms_box_item_t> items_, held_;
+    bool woken_ = false, opening_ = false;
 
     std::thread seeker_;
     std::mutex seek_mutex_;

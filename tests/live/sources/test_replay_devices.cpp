@@ -178,7 +178,8 @@ static void texts_that_name_nothing_are_usage_errors(void)
     TEST_ASSERT_FALSE(open("none", "simulated"));
     expect_failure(OpenFailure::usage, "simulated");
     for (const char *const good : {"aravis:", "aravis:Cam,trigger=Line1", "preview:0", "none", "",
-                                   "v4l2:/dev/video2,size=640x480,trigger=wired", "simulated:a=b"}) {
+                                   "v4l2:/dev/video2,size=640x480,trigger=wired",
+                                   "simulated:a=b"}) {
         TEST_ASSERT_EQUAL_STRING("", source_text_problem(good).c_str());
     }
 }
