@@ -94,6 +94,7 @@ bool simulated_devices(const SimulatedRequest &request, Devices &devices, OpenEr
         }
     }
     WorldOptions options;
+    options.keep_truth = false;  // nobody could ask for it, and scans may be long
     if (!read_options(request, options, error)) {
         return false;
     }

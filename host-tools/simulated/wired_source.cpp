@@ -35,7 +35,7 @@ std::chrono::steady_clock::time_point real_time_of(std::int64_t host_ns)
 
 WiredSource::WiredSource(const WorldOptions &options, std::uint16_t port)
     : options_(options), port_(port), pictures_(options, pulse_period_s(options)),
-      light_(options), truth_(options.truth_file), run_(box_period_s(options)),
+      light_(options), truth_(options.truth_file, false), run_(box_period_s(options)),
       sensor_(options, pictures_.path(), pulse_period_s(options) / box_period_s(options),
               (options.start_delay_us + options.exposure_us / 2) * 1e-6),
       exposure_us_(options.exposure_us),

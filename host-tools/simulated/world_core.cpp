@@ -13,7 +13,7 @@ constexpr std::int64_t PRESS_NS = 20 * NS_PER_MS; /* of a finger on START */
 
 WorldCore::WorldCore(const WorldOptions &options)
     : options_(options), clock_(std::make_shared<WorldClock>(options.speed)),
-      agenda_(clock_->now_ns()), truth_(options.truth_file),
+      agenda_(clock_->now_ns()), truth_(options.truth_file, options.keep_truth),
       pictures_(std::make_unique<WorldPictures>(
           options, options.path_period_s > 0 ? options.path_period_s : pulse_period_s())),
       box_(agenda_, options.seed, options.box_drift_ppm, first_settings()),

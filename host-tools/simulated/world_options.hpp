@@ -110,6 +110,7 @@ struct WorldOptions {
     std::vector<PlannedMishap> planned;
     // Truth and ground.
     std::string truth_file;    /**< JSON lines; empty: none */
+    bool keep_truth = true;    /**< in memory, too, for SimulatedWorld's calls */
     std::vector<BuriedObject> buried;
     std::string sensor_file;   /**< table of the metal detector over them; empty: none */
     double sensor_hz = 50, sensor_noise = 0.01;

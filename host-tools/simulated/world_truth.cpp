@@ -26,7 +26,7 @@ ordered_json json_of(const opms::simulate::Pose &pose)
 
 }  // namespace
 
-WorldTruth::WorldTruth(const std::string &file)
+WorldTruth::WorldTruth(const std::string &file, bool is_kept) : is_kept_(is_kept)
 {
     if (!file.empty()) {
         file_.open(file, std::ios::trunc);
@@ -44,7 +44,9 @@ void WorldTruth::write(const std::string &line)
 
 void WorldTruth::add(const TrueTrigger &trigger)
 {
-    triggers_.push_back(trigger);
+    if (is_kept_) {
+        triggers_.push_back(trigger);
+    }
     if (file_.is_open()) {
         write(ordered_json{{"kind", "trigger"},
                            {"boot", trigger.boot_id},
@@ -74,11 +76,13 @@ void WorldTruth::add(const TrueRun &run)
 
 void WorldTruth::add(TrueFrame frame, const TruePose &pose)
 {
-    frame.arrival_index = frames_.size();
+    frame.arrival_index = arrivals_++;
     came_.resize(std::max<std::size_t>(came_.size(), frame.exposure_number + 1), false);
     frame.is_copy = came_[frame.exposure_number];
     came_[frame.exposure_number] = true;
-    frames_.push_back(frame);
+    if (is_kept_) {
+        frames_.push_back(frame);
+    }
     if (!file_.is_open()) {
         return;
     }

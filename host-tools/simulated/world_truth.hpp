@@ -52,8 +52,9 @@ struct TruePose {
 
 class WorldTruth {
 public:
-    /** @p file  JSON lines; empty: none. Throws std::runtime_error where it cannot be written. */
-    explicit WorldTruth(const std::string &file);
+    /** @p file  JSON lines; empty: none. Throws std::runtime_error where it cannot be written.
+     *  @p is_kept  In memory: some 200 bytes a pulse. */
+    WorldTruth(const std::string &file, bool is_kept);
 
     void add(const TrueTrigger &trigger);
     void add(const TrueRun &run);
@@ -70,6 +71,8 @@ public:
 private:
     void write(const std::string &line);
 
+    const bool is_kept_;
+    std::uint64_t arrivals_ = 0;
     std::vector<TrueTrigger> triggers_;
     std::vector<TrueFrame> frames_;
     std::vector<TrueRun> runs_;
