@@ -264,7 +264,7 @@ class Stream:
         self._manager.__exit__(None, None, None)
 
 
-def _error_of(status: int, answer: bytes | None) -> ClientError:
+def _error_of(status: int, answer: bytes | bytearray | None) -> ClientError:
     try:
         error = json.loads(answer or b"")["error"]
         return ClientError(status, str(error["code"]), str(error["message"]))
