@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* PNG (ISO/IEC 15948): signature, header, one IDAT chunk, end. Rows are stored as differences to the
- * left neighbour (filter 1), which a camera's noise leaves small; Z_RLE then does little more than
- * the Huffman code of them, and more would not find more. */
+/* PNG (ISO/IEC 15948): signature, header, one IDAT chunk, end. Rows are stored as differences to
+ * the left neighbour (filter 1), which a camera's noise leaves small; Z_RLE then does little more
+ * than the Huffman code of them, and more would not find more. */
 #include "grey_png.hpp"
 
 #include <cstring>

@@ -4,8 +4,8 @@
  * happens below one folder, and makes the disk full or broken where a test asks for it.
  *
  * The calls that it stands for (open, write, fsync, ...) are its own symbols in the program, so
- * that shared libraries (SQLite) come by here, too. Shared memory that is mapped is not seen: nothing of
- * it has to outlive the program.
+ * that shared libraries (SQLite) come by here, too. Shared memory that is mapped is not seen:
+ * nothing of it has to outlive the program.
  *
  * With OPMS_DISK_ROOT and OPMS_DISK_LOG in the environment each call that succeeded becomes a
  * record of the log: seven little-endian numbers (u32 kind, lengths of name, second name and data;
