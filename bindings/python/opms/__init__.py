@@ -7,7 +7,7 @@ top left pixel, u to the right, v down; the camera looks along +z. Arrays are nu
 Every failure of the library is an :class:`opms.Error`.
 """
 
-from opms import calib, expect, grid, wire
+from opms import blur, calib, expect, grid, wire
 from opms._opms import (
     BAR_ORIGIN,
     BAR_PITCH_M,
@@ -61,6 +61,7 @@ __all__ = [
     "Status",
     "Transform",
     "__version__",
+    "blur",
     "calib",
     "expect",
     "grid",

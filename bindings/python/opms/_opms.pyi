@@ -500,6 +500,81 @@ class Locator:
         edges: (N,) of opms.EDGE_DTYPE. Raises Error (ERR_ARG, index of the edge). Releases the GIL.
         """
 
+class BlurVerdict(enum.IntEnum):
+    """What a person should do something about."""
+
+    UNKNOWN = 0
+    """Too few squares, or their white is saturated."""
+
+    SHARP = 1
+
+    FOCUS = 2
+    """Blurred in all directions, nowhere sharp."""
+
+    MOTION = 3
+    """Blurred in one direction of the picture."""
+
+    APERTURE = 4
+    """Sharp in places alone."""
+
+class Blur:
+    """
+    How sharp the bar is in a picture.
+
+    Blur is the standard deviation of what a point becomes, px, as the picture shows it: a perfect lens
+    leaves the pixel's own 0.29.
+    """
+
+    @property
+    def verdict(self) -> BlurVerdict:
+        """A BlurVerdict."""
+
+    @property
+    def squares(self) -> int:
+        """Squares that were measured."""
+
+    @property
+    def blur_px(self) -> Annotated[NDArray[numpy.float64], dict(shape=(2), writable=False)]:
+        """Medians across the sides along Y and across those along X, (2,)."""
+
+    @property
+    def still_px(self) -> float:
+        """Median in the direction that is blurred least."""
+
+    @property
+    def motion_px(self) -> float:
+        """Way of the picture that explains what is more in the other direction."""
+
+    @property
+    def motion_direction(self) -> Annotated[NDArray[numpy.float64], dict(shape=(2), writable=False)]:
+        """(u, v) of that way, length 1; its sign means nothing."""
+
+    @property
+    def sharpest_px(self) -> float:
+        """Blur where it is least on the bar."""
+
+    @property
+    def softest_px(self) -> float:
+        """Blur where it is most on the bar."""
+
+    @property
+    def sharpest_square(self) -> int | None:
+        """Index of the square where it is least; None where none was measured."""
+
+    @property
+    def softest_square(self) -> int | None:
+        """Index of the square where it is most; None where none was measured."""
+
+def blur_measure(image: numpy.typing.NDArray[numpy.uint8] | numpy.typing.NDArray[numpy.uint16], squares: numpy.typing.NDArray[numpy.void], *, white_level: int = 0, sharp_most_px: float = 1.0) -> Blur:
+    """
+    Measure the blur of the bar's squares.
+
+    image: (height, width), uint8 or uint16, read in place; squares: (N,) of opms.SQUARE_DTYPE as a
+    detection or a location has them. white_level: grey level at saturation, 0 for 255 or 65535.
+    sharp_most_px: up to here it counts as sharp, 0.3 to 20.
+    Raises Error (ERR_ARG). Pure, any thread; releases the GIL.
+    """
+
 class GridState(enum.IntEnum):
     """What a picture shows."""
 

@@ -92,6 +92,7 @@ void py_bind_lens(nb::module_ &module);
 void py_bind_pose(nb::module_ &module);
 void py_bind_bar(nb::module_ &module);
 void py_bind_locate(nb::module_ &module);
+void py_bind_blur(nb::module_ &module);
 void py_bind_grid(nb::module_ &module);
 void py_bind_calib(nb::module_ &module);
 void py_bind_calib_results(nb::module_ &module);

@@ -51,6 +51,7 @@ NB_MODULE(_opms, module)
     py_bind_pose(module);
     py_bind_bar(module);
     py_bind_locate(module);
+    py_bind_blur(module);
     py_bind_grid(module);
     py_bind_calib(module);
     py_bind_expect(module);

@@ -28,8 +28,10 @@ typedef struct opms_blur {
     uint32_t squares;          /**< that were measured */
     double blur_px[2];         /**< medians: across the sides along Y [0] and along X [1] */
     double still_px;           /**< median in the direction that is blurred least */
-    double motion_px;          /**< way of the picture that explains what is more in the other */
-    double motion_direction[2]; /**< (u, v) of that way, length 1, v or u alone not negative */
+    /** Way of the picture that explains what is more in the other direction; to about 15 %, up to a
+     * third of a square's side. */
+    double motion_px;
+    double motion_direction[2]; /**< (u, v) of that way, length 1; its sign means nothing */
     /** Blur in the least blurred direction, smoothed along the bar, where it is least and most. */
     double sharpest_px, softest_px;
     int32_t sharpest_square, softest_square; /**< their indices; -1 where squares is 0 */

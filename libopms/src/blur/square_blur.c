@@ -14,7 +14,8 @@
 #define PI 3.14159265358979324
 #define ROOT_HALF 0.70710678118654752
 #define INSIDE 0.55      /* half squares from a side: 5.5 mm of black */
-#define OUTSIDE 0.22     /* 2.2 mm: the code's cells begin at 2.5 */
+#define OUTSIDE_X 0.3    /* 3 mm of the 5 to the bar's border */
+#define OUTSIDE_Y 0.5    /* 5 mm of the 10 to the next square, where no cell is black */
 #define ALONG 0.6        /* of a side, so that its corners have no part in it */
 #define BEYOND 0.5       /* 5 mm: the middle of the code's cells */
 #define WHITE_X 1.24     /* half squares: in the middle between the side and the bar's border */
@@ -105,7 +106,7 @@ static double line_of(const opms_square_t *square, int side, side_line_t *line)
     }
     line->half_length = 0.5 * ALONG * length;
     line->inside = INSIDE * depth;
-    line->outside = fmax(OUTSIDE * depth, 0.75);
+    line->outside = (along_y ? OUTSIDE_X : OUTSIDE_Y) * depth;
     line->beyond = along_y ? 0.0 : BEYOND * depth;
     return depth >= HALF_LEAST && length >= 2.0 * HALF_LEAST ? depth : 0.0;
 }
