@@ -115,7 +115,7 @@ public:
     {
         SolveEnd end{HUGE_VAL, residual_scale(calibrator_, plan_.stride), 0, false};
         end.cost = cost_of_trial(calibrator_.shape, end.scale, true);
-        double damping = DAMPING_START;
+        double damping = DAMPING_START, before = 0.0;
         while (end.iterations < plan_.iterations_max && damping < DAMPING_MAX &&
                !end.converged) {
             ++end.iterations;
@@ -126,7 +126,8 @@ public:
                 damping *= 8.0;
                 continue;
             }
-            const bool settled = promised < CONVERGED && damping < 1e-2;
+            const bool settled = left_after(promised, before) < CONVERGED && damping < 1e-2;
+            before = promised;
             damping = std::max(1e-9, 0.1 * damping);
             end.converged = !follow_scale(end) && settled;
         }
@@ -134,6 +135,14 @@ public:
     }
 
 private:
+    /* What a step leaves to gain: steps shrink by the same part each time, or faster, and a tenth
+     * of what may be left is for the doubt. The first step tells nothing of that. */
+    static double left_after(double promised, double before)
+    {
+        return promised < before ? std::min(promised, 10.0 * promised * promised / before)
+                                 : promised;
+    }
+
     /* Better fits show smaller residuals: follow them down. */
     bool follow_scale(SolveEnd &end)
     {
