@@ -212,6 +212,39 @@ static void the_next_solution_starts_from_the_last(void)
     opms_calibrator_destroy(calibrator);
 }
 
+static void a_calibration_that_grows_is_as_good_as_one_made_at_once(void)
+{
+    opms_calib_options_t options;
+    opms_calibrator_t *growing;
+    scene_plan_t plan = scene_usual_plan();
+    plan.pictures = 16;
+    take(plan, 41);
+    opms_calib_options_init(&options);
+    options.width_px = scene.lens.width_px;
+    options.height_px = scene.lens.height_px;
+    TEST_ASSERT_EQUAL(OPMS_OK, opms_calibrator_create(&options, &growing, &err));
+    for (uint32_t k = 0; k < scene.picture_count; ++k) {
+        TEST_ASSERT_EQUAL(OPMS_OK, opms_calibrator_add(growing, scene.points[k],
+                                                       scene.point_count[k], NULL, &err));
+        if (k >= 4) {
+            TEST_ASSERT_EQUAL(OPMS_OK, opms_calibrator_solve(growing, &result, &err));
+        }
+    }
+    /* At once, and again from there until nothing moves any more. */
+    opms_calib_result_t whole = {0};
+    opms_calibrator_t *calibrator = scene_calibrator(&scene, 0.0);
+    for (int i = 0; i < 4; ++i) {
+        TEST_ASSERT_EQUAL(OPMS_OK, opms_calibrator_solve(calibrator, &whole, &err));
+    }
+    for (int i = 0; i < 8; ++i) {
+        const double sigma = sqrt(whole.covariance[9 * i]);
+        TEST_ASSERT_DOUBLE_WITHIN(0.01 * sigma, *truth_intrinsic(&whole.lens, i),
+                                  *truth_intrinsic(&result.lens, i));
+    }
+    opms_calibrator_destroy(calibrator);
+    opms_calibrator_destroy(growing);
+}
+
 static void the_chosen_dozen_is_nearly_as_good_as_all(void)
 {
     scene_plan_t plan = scene_usual_plan();
@@ -328,6 +361,7 @@ int main(void)
     RUN_TEST(a_focal_length_that_is_fixed_all_the_same_is_no_reason_to_warn);
     RUN_TEST(the_cockle_of_the_target_is_estimated);
     RUN_TEST(the_next_solution_starts_from_the_last);
+    RUN_TEST(a_calibration_that_grows_is_as_good_as_one_made_at_once);
     RUN_TEST(the_chosen_dozen_is_nearly_as_good_as_all);
     RUN_TEST(bad_calls_say_what_is_wrong);
     RUN_TEST(the_same_picture_twenty_times_is_no_calibration);
