@@ -4,7 +4,7 @@
  *     scan_fixture PICTURES FOLDER NAME [KEY=VALUE...]
  *
  * PICTURES holds camera.yaml and PNGs, which are taken in turn. Keys: frames (14), pictures (1:
- * each Nth is stored), edges (1), tilt_deg (19.3), samples (1), end=order|kill|hold (hold: until the
+ * each Nth is stored), edges (1), tilt_deg (19.3), samples (1), end=order|kill|hold (until the
  * standard input ends), spoil=NUMBER (that picture's recorded pose is made a little wrong),
  * swap=NUMBER (that frame's recorded trigger is made that of the next). */
 #include <algorithm>
