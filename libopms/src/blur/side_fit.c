@@ -13,7 +13,7 @@
 #define SIGMA_LEAST 0.15
 #define RESIDUAL_MOST 0.12 /* of the contrast, rms: else something else is in the way */
 
-#define WHITE_LEAST 0.88     /* beyond the side, of the contrast: less is a cell of the code */
+#define WHITE_LEAST 0.82     /* beyond the side, of the contrast: less is a cell of the code */
 
 typedef struct sample {
     float distance, level; /* outwards from the side, px; 0 black to 1 white */
