@@ -28,8 +28,8 @@ typedef struct opms_blur {
     uint32_t squares;          /**< that were measured */
     double blur_px[2];         /**< medians: across the sides along Y [0] and along X [1] */
     double still_px;           /**< median in the direction that is blurred least */
-    /** Way of the picture that explains what is more in the other direction; to about a quarter, up to a
-     * third of a square's side. */
+    /** Way of the picture that explains what is more in the other direction; to about a quarter,
+     * up to a third of a square's side. */
     double motion_px;
     double motion_direction[2]; /**< (u, v) of that way, length 1; its sign means nothing */
     /** Blur in the least blurred direction, smoothed along the bar, where it is least and most. */
