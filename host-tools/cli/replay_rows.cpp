@@ -137,7 +137,7 @@ std::string replay_pose_line(const PoseChange &change)
     if (change.recorded != change.again) {
         return start + json_bar_state(change.again) + ", was " + json_bar_state(change.recorded);
     }
-    return start + text_format("%.6f mm, %.6f deg; differs in ", change.position_mm,
+    return start + text_format("%.3g mm, %.3g deg; differs in ", change.position_mm,
                                change.angle_deg) +
            joined(change.differs);
 }
@@ -155,7 +155,7 @@ std::string replay_summary_text(const ReplayMeans &means, const ReplayOutcome &o
     const ReplayFigures &f = outcome.figures;
     std::string text = text_format(
         "%llu poses from %s: %llu identical, %llu with another state, %llu left out\n"
-        "change of position %.6f mm RMS, %.6f mm at most; of angle %.6f deg RMS, %.6f deg at most",
+        "change of position %.3g mm RMS, %.3g mm at most; of angle %.3g deg RMS, %.3g deg at most",
         static_cast<unsigned long long>(f.compared), from_name(means.from),
         static_cast<unsigned long long>(f.identical),
         static_cast<unsigned long long>(f.states_changed),
