@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "publisher.hpp"
 
+#include <chrono>
 #include <utility>
 
 namespace opms_host {
@@ -71,10 +72,11 @@ bool Publisher::wait_for_room()
     return !stopped_;
 }
 
-bool Publisher::is_idle() const
+void Publisher::wait_until_told()
 {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    return items_.empty() && !busy_;
+    std::unique_lock<std::mutex> lock(mutex_);
+    taken_.wait_for(lock, std::chrono::seconds(2),
+                    [this] { return stopped_ || (items_.empty() && !busy_); });
 }
 
 std::uint64_t Publisher::display_dropped() const
@@ -118,6 +120,7 @@ void Publisher::run()
         }
         lock.lock();
         busy_ = false;
+        taken_.notify_all();
     }
 }
 

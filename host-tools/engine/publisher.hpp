@@ -41,8 +41,8 @@ public:
     /** Wait until there is room for more poses: who makes them slows down.
      * @return false: stopped. */
     bool wait_for_room();
-    /** Whether all that came in has gone out. */
-    bool is_idle() const;
+    /** Wait until all that came in has gone out, 2 s at most: a listener may be slow. */
+    void wait_until_told();
     /** Pictures that were not shown. */
     std::uint64_t display_dropped() const;
     /** Count one that was not even handed over. */

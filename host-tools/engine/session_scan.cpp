@@ -230,6 +230,8 @@ bool LiveSession::Impl::software_stop(ScanEnd *end, std::string &error)
         *end = *last_end_;
     }
     error = last_end_error_;
+    lock.unlock();
+    publisher_.wait_until_told(); /* so that a listener knows all of it when this returns */
     return error.empty();
 }
 
