@@ -9,25 +9,9 @@
 #include <stdint.h>
 #include <string.h>
 
+#include "algebra/wide_doubles.h"
+
 #define WIDE 8
-
-/** What lanes are handed to has to be inlined, whatever the level of optimisation. */
-#define WIDE_INLINE static inline __attribute__((always_inline))
-
-#if defined(__x86_64__) && defined(__GNUC__)
-/** Compiles a function for the wider registers; it may be called where wide_has_avx2() says so. */
-#define WIDE_AVX2 __attribute__((target("avx2")))
-static inline int wide_has_avx2(void)
-{
-    return __builtin_cpu_supports("avx2") != 0;
-}
-#else
-#define WIDE_AVX2
-static inline int wide_has_avx2(void)
-{
-    return 0;
-}
-#endif
 
 typedef float wide_t __attribute__((vector_size(WIDE * sizeof(float))));
 typedef int32_t wide_int_t __attribute__((vector_size(WIDE * sizeof(float))));

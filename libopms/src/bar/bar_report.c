@@ -28,7 +28,7 @@ static void write_edges(opms_bar_detector_t *d, const opms_roi_t *roi)
         edge->normal[0] = (double)s->normal[0] / length;
         edge->normal[1] = (double)s->normal[1] / length;
         edge->sigma_px = (double)d->fit.sigma[i];
-        edge->shift_gain = (double)d->fit.row[i][MAP_UNKNOWNS];
+        edge->shift_gain = (double)d->fit.shift_gain[i];
     }
 }
 

@@ -194,13 +194,13 @@ static int search_line(opms_bar_detector_t *d, const search_line_t *line, int co
     return 0;
 }
 
-static int search_picture(opms_bar_detector_t *d, int contrast, const opms_roi_t *roi,
-                          opms_bar_summary_t *summary)
+static int search_picture(opms_bar_detector_t *d, int contrast, int levels,
+                          const opms_roi_t *roi, opms_bar_summary_t *summary)
 {
     search_plan_t plan;
     search_plan_init(&plan, d->view.width, d->view.height, d->options.min_square_px);
     search_line_t line;
-    while (d->work_left > 0 && search_plan_next(&plan, &line)) {
+    while (d->work_left > 0 && search_plan_next(&plan, &line) && plan.level < levels) {
         if (search_line(d, &line, contrast, roi, summary)) {
             return 1;
         }
@@ -211,17 +211,21 @@ static int search_picture(opms_bar_detector_t *d, int contrast, const opms_roi_t
 void bar_search(opms_bar_detector_t *d, const opms_transform_t *hint, int least_contrast,
                 const opms_roi_t *roi, opms_bar_summary_t *summary)
 {
-    /* Once for bars with a good part of the picture's contrast, once for those in the shade. */
-    static const int part[2] = {5, 16};
+    /* A few lines for a bar that has most of the picture's contrast, as no soil has; then all for
+     * bars with a good part of it, and all for those in the shade. */
+    static const struct {
+        int part, levels;
+    } looks[3] = {{2, 2}, {5, SEARCH_LEVELS}, {16, SEARCH_LEVELS}};
     if (hint && follow_hint(d, hint, least_contrast, roi, summary)) {
         summary->followed = 1;
         return;
     }
     const int range = grey_range(d);
-    for (int i = 0; i < 2 && !d->settled && summary->state != OPMS_BAR_LOCATED; ++i) {
-        const int contrast = range / part[i] > least_contrast ? range / part[i] : least_contrast;
+    for (int i = 0; i < 3 && !d->settled && summary->state != OPMS_BAR_LOCATED; ++i) {
+        const int part = range / looks[i].part;
+        const int contrast = part > least_contrast ? part : least_contrast;
         if (range >= least_contrast) {
-            search_picture(d, contrast, roi, summary);
+            search_picture(d, contrast, looks[i].levels, roi, summary);
         }
     }
 }

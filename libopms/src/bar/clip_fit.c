@@ -183,8 +183,10 @@ static void mean_rows(const bar_fit_t *fit, double row[2][CLIP_UNKNOWNS], double
             const int family = fit->stretch[i].side & 1;
             const double w = 1 / (double)(fit->sigma[i] * fit->sigma[i]);
             weight[family] += w;
+            float own[CLIP_UNKNOWNS];
+            clip_row(&fit->clip[i], own);
             for (int a = 0; a < CLIP_UNKNOWNS; ++a) {
-                row[family][a] += w * (double)fit->row[i][MAP_UNKNOWNS + a];
+                row[family][a] += w * (double)own[a];
             }
         }
     }
@@ -224,6 +226,6 @@ void clip_gains(const edge_scene_t *scene, bar_fit_t *fit)
     const double size = sqrt((weight[0] * gain[0] * gain[0] + weight[1] * gain[1] * gain[1]) /
                              (weight[0] + weight[1]));
     for (int i = 0; i < fit->count && size > 0; ++i) {
-        fit->row[i][MAP_UNKNOWNS] = (float)(gain[fit->stretch[i].side & 1] / size);
+        fit->shift_gain[i] = (float)(gain[fit->stretch[i].side & 1] / size);
     }
 }

@@ -4,141 +4,141 @@
 #include <math.h>
 #include <string.h>
 
+#include "algebra/median.h"
 #include "algebra/spd.h"
+#include "algebra/wide_doubles.h"
 #include "bar/bar_code.h"
 #include "bar/clip_fit.h"
-#include "algebra/median.h"
 
 #define SCALE_SAMPLE 160
 #define TUKEY MAP_FIT_TUKEY
 #define ROUNDS 3
 #define SETTLED_SCALE 0.01f /* of itself; another round would then change nothing */
 
+/** The equation of one stretch. Code cells lie where map and shift have them, and pull at the sides
+ * next to them as these do: by the map they move with the side, by the shift towards it. So an
+ * offset answers either by somewhat less or more than in full, and its equation says so. */
+static void write_equation(const edge_scene_t *scene, const bar_fit_t *fit, int i, int at,
+                           fit_columns_t *columns)
+{
+    const stretch_t *s = &fit->stretch[i];
+    const double square_y = BAR_PITCH_MM * (s->square - OPMS_BAR_ORIGIN);
+    const int along_y = s->side == 0 || s->side == 2, clipped = scene->clip < 1;
+    const double out = (s->side < 2 ? -BAR_HALF_SQUARE_MM : BAR_HALF_SQUARE_MM);
+    const double cells = clipped ? 0 : (double)s->by_cells;
+    double px[2], grad[16];
+    plane_map_gradient(&scene->map, scene->lens, along_y ? out : (double)s->along_mm,
+                       square_y + (along_y ? (double)s->along_mm : out), px, grad);
+    const double u = (double)s->normal[0] * (1 - cells), v = (double)s->normal[1] * (1 - cells);
+    for (int k = 0; k < MAP_UNKNOWNS; ++k) {
+        columns->by[k][at] = u * grad[k] + v * grad[8 + k];
+    }
+    columns->by[MAP_UNKNOWNS][at] = scene->shift_gain[s->side & 1] * (1 + cells);
+    if (clipped) {
+        float shape[CLIP_UNKNOWNS];
+        clip_row(&fit->clip[i], shape);
+        for (int k = 0; k < CLIP_UNKNOWNS; ++k) {
+            columns->by[MAP_UNKNOWNS + k][at] = (double)shape[k];
+        }
+    }
+    columns->stretch[at] = (uint16_t)i;
+    columns->target[at] = (double)s->offset_px + cells * (double)map_expected_shift(scene, s);
+    columns->per_sigma[at] = 1 / (double)fit->sigma[i];
+}
+
 static void linearise(const edge_scene_t *scene, bar_fit_t *fit)
 {
-    for (int i = 0; i < fit->count; ++i) {
-        if (!fit->good[i]) {
-            continue;
-        }
-        const stretch_t *s = &fit->stretch[i];
-        const double square_y = BAR_PITCH_MM * (s->square - OPMS_BAR_ORIGIN);
-        const int along_y = s->side == 0 || s->side == 2;
-        const double at = (s->side < 2 ? -BAR_HALF_SQUARE_MM : BAR_HALF_SQUARE_MM);
-        double px[2], grad[16];
-        plane_map_gradient(&scene->map, scene->lens, along_y ? at : (double)s->along_mm,
-                           square_y + (along_y ? (double)s->along_mm : at), px, grad);
-        for (int k = 0; k < 8; ++k) {
-            fit->row[i][k] =
-                (float)((double)s->normal[0] * grad[k] + (double)s->normal[1] * grad[8 + k]);
-        }
-        fit->row[i][MAP_UNKNOWNS] = (float)scene->shift_gain[s->side & 1];
-        if (scene->clip < 1) {
-            clip_row(&fit->clip[i], &fit->row[i][MAP_UNKNOWNS]);
-        }
-    }
-}
-
-/** Residuals of the good stretches for a change of the map; returns their robust scale in sigmas.
- */
-static inline float residuals_of(bar_fit_t *fit, const double *change, int unknowns)
-{
-    float scratch[OPMS_BAR_EDGES_MAX];
+    fit_columns_t *columns = &fit->columns;
     int n = 0;
     for (int i = 0; i < fit->count; ++i) {
-        if (!fit->good[i]) {
-            continue;
-        }
-        double model = 0;
-        for (int k = 0; k < unknowns; ++k) {
-            model += (double)fit->row[i][k] * change[k];
-        }
-        fit->residual[i] = fit->stretch[i].offset_px - (float)model;
-        if (n < SCALE_SAMPLE || i % 4 == 0) {
-            scratch[n++] = fabsf(fit->residual[i]) / fit->sigma[i];
+        fit->shift_gain[i] = (float)scene->shift_gain[fit->stretch[i].side & 1];
+        if (fit->good[i]) {
+            write_equation(scene, fit, i, n++, columns);
         }
     }
-    const float scale = 1.4826f * median_of(scratch, n);
-    return scale < 1.f ? 1.f : scale;
-}
-
-/** Code cells lie where map and shift have them, and pull at the sides next to them as these do: by
- * the map they move with the side, by the shift towards it. So an offset answers either by somewhat
- * less or more than in full. Here the rows are made to say so. */
-static void answer_cells(const edge_scene_t *scene, bar_fit_t *fit)
-{
-    for (int i = 0; i < fit->count; ++i) {
-        stretch_t *s = &fit->stretch[i];
-        s->offset_px += s->by_cells * map_expected_shift(scene, s);
-        for (int k = 0; k < MAP_UNKNOWNS; ++k) {
-            fit->row[i][k] *= 1.f - s->by_cells;
+    columns->count = n;
+    for (; n % WIDE_DOUBLES != 0; ++n) {
+        for (int k = 0; k < fit->unknowns; ++k) {
+            columns->by[k][n] = 0;
         }
-        fit->row[i][MAP_UNKNOWNS] *= 1.f + s->by_cells;
-    }
-}
-
-/** Make the offsets what they would be with the cells in their true places. The residuals are. */
-static void correct_cells(const edge_scene_t *scene, const double change[FIT_UNKNOWNS_MOST],
-                          bar_fit_t *fit)
-{
-    for (int i = 0; i < fit->count; ++i) {
-        stretch_t *s = &fit->stretch[i];
-        if (!fit->good[i]) {
-            continue;
-        }
-        const float gain = (float)scene->shift_gain[s->side & 1];
-        const float full = 1.f / (1.f - s->by_cells);
-        double moved = (double)gain * change[MAP_UNKNOWNS];
-        for (int k = 0; k < MAP_UNKNOWNS; ++k) {
-            fit->row[i][k] *= full;
-            moved += (double)fit->row[i][k] * change[k];
-        }
-        fit->row[i][MAP_UNKNOWNS] = gain;
-        s->offset_px = fit->residual[i] + (float)moved;
+        columns->target[n] = columns->per_sigma[n] = 0;
     }
 }
 
 /** The number of unknowns that most fits have, as a constant for the compiler to unroll. */
 #define USUAL_UNKNOWNS (MAP_UNKNOWNS + 1)
 
+WIDE_INLINE void residuals_of(fit_columns_t *columns, const double *change, int unknowns)
+{
+    for (int at = 0; at < columns->count; at += WIDE_DOUBLES) {
+        wide_double_t left = wide_double_load(&columns->target[at]);
+        for (int k = 0; k < unknowns; ++k) {
+            left -= wide_double_load(&columns->by[k][at]) * change[k];
+        }
+        wide_double_store(&columns->residual[at], left);
+    }
+}
+
+/** Residuals for a change of the map; returns their robust scale in sigmas. */
 static float residuals(bar_fit_t *fit, const double *change)
 {
-    return fit->unknowns == USUAL_UNKNOWNS ? residuals_of(fit, change, USUAL_UNKNOWNS)
-                                           : residuals_of(fit, change, fit->unknowns);
+    fit_columns_t *columns = &fit->columns;
+    if (fit->unknowns == USUAL_UNKNOWNS) {
+        residuals_of(columns, change, USUAL_UNKNOWNS);
+    } else {
+        residuals_of(columns, change, fit->unknowns);
+    }
+    /* Stretches come side by side, so that one of several stands for all. */
+    float sample[SCALE_SAMPLE];
+    const int step = 1 + (columns->count - 1) / SCALE_SAMPLE;
+    int n = 0;
+    for (int at = 0; at < columns->count; at += step) {
+        sample[n++] = (float)(fabs(columns->residual[at]) * columns->per_sigma[at]);
+    }
+    const float scale = 1.4826f * median_of(sample, n);
+    return scale < 1.f ? 1.f : scale;
 }
 
 /** Normal equations, lower triangle, with Tukey's weights for residuals of a scale in sigmas. */
-static inline void sum_normal_of(const bar_fit_t *fit, float scale, double *normal, double *rhs,
-                                 int n)
+WIDE_INLINE void sum_normal_of(const fit_columns_t *columns, float scale, double *normal,
+                               double *rhs, int n)
 {
-    for (int i = 0; i < fit->count; ++i) {
-        if (!fit->good[i]) {
-            continue;
+    const double per_window = 1 / (double)(scale * TUKEY);
+    wide_double_t sum[FIT_UNKNOWNS_MOST][FIT_UNKNOWNS_MOST + 1];
+    for (int j = 0; j < n; ++j) {
+        for (int k = 0; k <= j + 1; ++k) {
+            sum[j][k] = (wide_double_t){0, 0, 0, 0};
         }
-        const float z = fit->residual[i] / (fit->sigma[i] * scale * TUKEY);
-        if (z * z >= 1.f) {
-            continue;
-        }
-        const float w = (1.f - z * z) * (1.f - z * z) / (fit->sigma[i] * fit->sigma[i]);
-        double row[FIT_UNKNOWNS_MOST];
-        for (int k = 0; k < n; ++k) {
-            row[k] = (double)fit->row[i][k];
-        }
+    }
+    for (int at = 0; at < columns->count; at += WIDE_DOUBLES) {
+        const wide_double_t per_sigma = wide_double_load(&columns->per_sigma[at]);
+        const wide_double_t z =
+            wide_double_load(&columns->residual[at]) * per_sigma * per_window;
+        const wide_double_t root = wide_double_positive(1.0 - z * z) * per_sigma;
+        const wide_double_t weight = root * root;
+        const wide_double_t target = wide_double_load(&columns->target[at]);
         for (int j = 0; j < n; ++j) {
-            const double wr = (double)w * row[j];
+            const wide_double_t weighted = weight * wide_double_load(&columns->by[j][at]);
             for (int k = 0; k <= j; ++k) {
-                normal[n * j + k] += wr * row[k];
+                sum[j][k] += weighted * wide_double_load(&columns->by[k][at]);
             }
-            rhs[j] += wr * (double)fit->stretch[i].offset_px;
+            sum[j][j + 1] += weighted * target;
         }
+    }
+    for (int j = 0; j < n; ++j) {
+        for (int k = 0; k <= j; ++k) {
+            normal[n * j + k] = wide_double_sum(sum[j][k]);
+        }
+        rhs[j] = wide_double_sum(sum[j][j + 1]);
     }
 }
 
 static void sum_normal(const bar_fit_t *fit, float scale, double *normal, double *rhs)
 {
     if (fit->unknowns == USUAL_UNKNOWNS) {
-        sum_normal_of(fit, scale, normal, rhs, USUAL_UNKNOWNS);
+        sum_normal_of(&fit->columns, scale, normal, rhs, USUAL_UNKNOWNS);
     } else {
-        sum_normal_of(fit, scale, normal, rhs, fit->unknowns);
+        sum_normal_of(&fit->columns, scale, normal, rhs, fit->unknowns);
     }
 }
 
@@ -171,17 +171,31 @@ static int fit_robustly(const edge_scene_t *scene, bar_fit_t *fit,
     return 1;
 }
 
+/** Make the offsets what they would be with the cells in their true places. */
+static void correct_cells(const bar_fit_t *fit, const double change[FIT_UNKNOWNS_MOST], int at,
+                          stretch_t *s)
+{
+    const fit_columns_t *columns = &fit->columns;
+    const double answer = columns->by[MAP_UNKNOWNS][at] * change[MAP_UNKNOWNS];
+    const double shift = (double)fit->shift_gain[columns->stretch[at]] * change[MAP_UNKNOWNS];
+    const double by_map = columns->target[at] - columns->residual[at] - answer;
+    s->offset_px =
+        (float)(columns->residual[at] + shift + by_map / (1 - (double)s->by_cells));
+}
+
 int map_fit(const edge_scene_t *scene, bar_fit_t *fit, double change[FIT_UNKNOWNS_MOST],
             float *scale)
 {
     linearise(scene, fit);
-    if (scene->clip < 1) {
-        return fit_robustly(scene, fit, change, scale);
-    }
-    answer_cells(scene, fit);
     if (!fit_robustly(scene, fit, change, scale)) {
         return 0;
     }
-    correct_cells(scene, change, fit);
+    for (int at = 0; at < fit->columns.count; ++at) {
+        const int i = fit->columns.stretch[at];
+        fit->residual[i] = (float)fit->columns.residual[at];
+        if (scene->clip >= 1) {
+            correct_cells(fit, change, at, &fit->stretch[i]);
+        }
+    }
     return 1;
 }

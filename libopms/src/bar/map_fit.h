@@ -15,8 +15,8 @@ static inline float map_expected_shift(const edge_scene_t *scene, const stretch_
     return (float)(scene->shift_px * scene->shift_gain[s->side & 1]);
 }
 
-/** Fit the good stretches; 0 when singular. Offsets become what they would be with the fitted map
- * and shift, rows their gradients, residuals what is left.
+/** Fit the good stretches; 0 when singular. Offsets become what they would be with the code cells
+ * in their true places, residuals what is left.
  *
  * @param change      In: what is expected; out: what is to be added to the map, then the shift.
  * @param[out] scale  Robust scale of the residuals, in sigmas. */

@@ -25,6 +25,7 @@
 #define SCOUTED_PX 0.2f      /* movement after which all squares are measured */
 #define SHAPED 0.04f        /* change of blur (px) or clip that counts as none */
 #define SCOUTED_BLUR 0.06f
+#define SURE_PX 0.3f         /* movement of a range from which its surroundings are well foretold */
 #define UNSHAPED 0.1f       /* such a change at the end means that nothing settles */
 #define PASSES_MOST 5
 #define SETTLED_PX 0.02f    /* movement after which no further pass is needed */
@@ -49,7 +50,7 @@ static int visible_squares(const edge_scene_t *scene, int from, int to, int most
     }
     const int count = n < most ? n : most;
     for (int i = 0; i < count; ++i) {
-        index[i] = count == n ? seen[i] : seen[i * (n - 1) / (count - 1)];
+        index[i] = count == n || count == 1 ? seen[i] : seen[i * (n - 1) / (count - 1)];
     }
     return count;
 }
@@ -269,25 +270,48 @@ static int run_pass(edge_scene_t *scene, const int *index, int count, float cont
     return 1;
 }
 
+/** Widen the range by a part of what a pass has confirmed; returns whether the pass speaks for all
+ * that can be seen of it. */
+static int widen(const edge_scene_t *scene, int parts, scouting_t *scouting)
+{
+    int index[OPMS_BAR_SQUARES];
+    const int span = 1 + (scouting->result.high - scouting->result.low);
+    const int from = clamp_index(scouting->result.low - parts * span);
+    const int to = clamp_index(scouting->result.high + parts * span);
+    const int beyond = visible_squares(scene, from, scouting->from - 1, 1, index) +
+                       visible_squares(scene, scouting->to + 1, to, 1, index);
+    scouting->from = from < scouting->from ? from : scouting->from;
+    scouting->to = to > scouting->to ? to : scouting->to;
+    return beyond == 0;
+}
+
 /** Passes over few squares, until the range stands still and the blur is known, or, `until_cut`,
  * white is seen to be cut. 0 where too little agrees. */
 static int scout(edge_scene_t *scene, int passes, int until_cut, float contrast, bar_fit_t *fit,
                  scouting_t *scouting)
 {
     pass_result_t *result = &scouting->result;
-    int index[OPMS_BAR_SQUARES];
+    edge_scene_t before = *scene; /* and the range to return to where a wide one finds too little */
+    scouting_t narrow = *scouting;
+    int index[OPMS_BAR_SQUARES], wide = 0;
     scouting->settled = 0;
     for (int pass = 0; pass < passes && !scouting->settled; ++pass) {
         const int count =
             visible_squares(scene, scouting->from, scouting->to, SCOUTING_SQUARES, index);
         if (!run_pass(scene, index, count, contrast, 3.f, fit, result)) {
-            return 0;
+            if (!wide) {
+                return 0;
+            }
+            *scene = before;
+            *scouting = narrow;
+            wide = 0;
+            continue;
         }
-        const int grow = 1 + (result->high - result->low);
-        const int from = clamp_index(result->low - grow), to = clamp_index(result->high + grow);
-        const int known = from >= scouting->from && to <= scouting->to;
-        scouting->from = from < scouting->from ? from : scouting->from;
-        scouting->to = to > scouting->to ? to : scouting->to;
+        before = *scene;
+        narrow = *scouting;
+        widen(scene, 1, &narrow);
+        wide = result->moved_px < SURE_PX;
+        const int known = widen(scene, wide ? 2 : 1, scouting);
         if (until_cut && shape_saturated_part(fit) > SATURATED_LEAST) {
             scouting->settled = result->blurred_px < SCOUTED_BLUR || pass >= 5;
             continue;

@@ -17,6 +17,17 @@ typedef enum map_verdict {
     MAP_FIRM
 } map_verdict_t;
 
+/** The linear equations of the good stretches, by columns for the vector unit. */
+typedef struct fit_columns {
+    int count;
+    uint16_t stretch[OPMS_BAR_EDGES_MAX];
+    double by[FIT_UNKNOWNS_MOST][OPMS_BAR_EDGES_MAX]; /**< gradient of each offset; the common
+                                                           shift follows the map */
+    double target[OPMS_BAR_EDGES_MAX];    /**< the offset */
+    double residual[OPMS_BAR_EDGES_MAX];
+    double per_sigma[OPMS_BAR_EDGES_MAX]; /**< 0 in what fills up the last lanes */
+} fit_columns_t;
+
 /** Stretches of the last pass and what they say together. */
 typedef struct bar_fit {
     int count;
@@ -27,9 +38,9 @@ typedef struct bar_fit {
     float residual[OPMS_BAR_EDGES_MAX]; /**< offset from the fitted map, px */
     float sigma[OPMS_BAR_EDGES_MAX];    /**< px */
     uint8_t good[OPMS_BAR_EDGES_MAX];
+    float shift_gain[OPMS_BAR_EDGES_MAX]; /**< by which each takes part in the common shift */
     int unknowns;                       /**< of the fit: the map's, then the picture's */
-    float row[OPMS_BAR_EDGES_MAX][FIT_UNKNOWNS_MOST]; /**< gradient of each offset by these; the
-                                                           common shift follows the map */
+    fit_columns_t columns;
     float contrast, noise;
 } bar_fit_t;
 

@@ -3,7 +3,7 @@
 
 /* Lines are numbered from the border at the plan's pitch. Each level takes one residue class; all
  * classes together take every line once. */
-#define LEVELS 5
+#define LEVELS SEARCH_LEVELS
 static const int modulus[LEVELS] = {16, 16, 8, 4, 2};
 static const int residue[LEVELS] = {8, 0, 4, 2, 1};
 

@@ -9,6 +9,8 @@
 /** A walk through rows and columns that starts coarse and ends with a line every `pitch` px, so
  * that whatever is `pitch` px wide is crossed in both directions, and a bar that lies anywhere is
  * met after a few lines. */
+#define SEARCH_LEVELS 5 /**< from the coarsest lines to all */
+
 typedef struct search_plan {
     int width, height, pitch;
     int level, next, upright;

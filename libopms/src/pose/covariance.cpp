@@ -8,7 +8,7 @@
 // a few edges must not blow up an honest statement.
 #include "pose/covariance.h"
 
-#include "pose/edge_pair.h"
+#include "pose/edge_four.h"
 
 namespace opms::pose
 {
@@ -28,19 +28,19 @@ double smooth_step(double x)
 
 /* n . d(u, v)/d(intrinsics) / sigma at the rays (x, y). An edge keeps m = J^T n / sigma; n / sigma
  * follows from it, J being that of lens_bend(). */
-void intrinsics_row(const opms_lens_t &lens, const Pair &x, const Pair &y, const Pair &mx,
-                    const Pair &my, Pair row[8])
+void intrinsics_row(const opms_lens_t &lens, const Four &x, const Four &y, const Four &mx,
+                    const Four &my, Four row[8])
 {
-    const Pair r2 = x * x + y * y;
-    const Pair gain = 1.0 + r2 * (lens.k1 + r2 * lens.k2) + 2.0 * (lens.p1 * y + lens.p2 * x);
-    const Pair slope2 = 2.0 * lens.k1 + 4.0 * lens.k2 * r2;
-    const Pair xx = gain + slope2 * x * x + 4.0 * lens.p2 * x;
-    const Pair xy = slope2 * x * y + 2.0 * (lens.p1 * x + lens.p2 * y);
-    const Pair yy = gain + slope2 * y * y + 4.0 * lens.p1 * y;
-    const Pair part = (xx * yy - xy * xy).inverse();
-    const Pair ax = (yy * mx - xy * my) * part; // fx n_u / sigma
-    const Pair ay = (xx * my - xy * mx) * part; // fy n_v / sigma
-    const Pair radial = (ax * x + ay * y) * r2;
+    const Four r2 = x * x + y * y;
+    const Four gain = 1.0 + r2 * (lens.k1 + r2 * lens.k2) + 2.0 * (lens.p1 * y + lens.p2 * x);
+    const Four slope2 = 2.0 * lens.k1 + 4.0 * lens.k2 * r2;
+    const Four xx = gain + slope2 * x * x + 4.0 * lens.p2 * x;
+    const Four xy = slope2 * x * y + 2.0 * (lens.p1 * x + lens.p2 * y);
+    const Four yy = gain + slope2 * y * y + 4.0 * lens.p1 * y;
+    const Four part = 1.0 / (xx * yy - xy * xy);
+    const Four ax = (yy * mx - xy * my) * part; // fx n_u / sigma
+    const Four ay = (xx * my - xy * mx) * part; // fy n_v / sigma
+    const Four radial = (ax * x + ay * y) * r2;
     row[0] = ax * (x * gain + lens.p2 * r2) * (1.0 / lens.fx_px);
     row[1] = ay * (y * gain + lens.p1 * r2) * (1.0 / lens.fy_px);
     row[2] = ax * (1.0 / lens.fx_px);
@@ -112,22 +112,22 @@ Mat68 fit_by_intrinsics(const EdgeSet &set, const opms_lens_t &lens, const Fit &
 {
     // Where an intrinsic k grows, the residual falls by n . d(u, v)/dk; so
     // D step = sum psi'+ J n . d(u, v)/dk.
-    Pair sums[7][8];
+    Four sums[7][8];
     for (auto &line : sums) {
-        for (Pair &sum : line) {
-            sum.setZero();
+        for (Four &sum : line) {
+            sum = Four{};
         }
     }
     const EdgeFrame frame(fit.placement);
-    for (uint32_t i = 0; i < set.count; i += 2) {
-        const EdgePair edge(set, i, set.count, frame);
-        Pair by_lens[8];
+    for (uint32_t i = 0; i < set.count; i += WIDE_DOUBLES) {
+        const EdgeFour edge(set, i, set.count, frame);
+        Four by_lens[8];
         intrinsics_row(lens, edge.x, edge.y, edge.mx, edge.my, by_lens);
-        Pair row[7];
+        Four row[7];
         edge.gradient(row);
-        const Pair curvature = edge.curvature(fit.scale);
+        const Four curvature = edge.curvature(fit.scale);
         for (int a = 0; a < 7; ++a) {
-            const Pair weighted = curvature * row[a];
+            const Four weighted = curvature * row[a];
             for (int b = 0; b < 8; ++b) {
                 sums[a][b] += weighted * by_lens[b];
             }
@@ -136,7 +136,7 @@ Mat68 fit_by_intrinsics(const EdgeSet &set, const opms_lens_t &lens, const Fit &
     Mat78 moved;
     for (int a = 0; a < 7; ++a) {
         for (int b = 0; b < 8; ++b) {
-            moved(a, b) = sums[a][b].sum();
+            moved(a, b) = wide_double_sum(sums[a][b]);
         }
     }
     const Mat78 step = inverse * moved;

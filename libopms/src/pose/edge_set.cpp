@@ -105,11 +105,12 @@ void edge_set_fill(EdgeSet &set, const opms_lens_t &lens, const opms_edge_t *edg
         set.my[i] = reached ? line.my * information : 0.0;
         set.c[i] = reached ? line.c * information : UNREACHED;
     }
-    // The empty edge that fills up the last pair: no residual, no gradient, a bar point that is in
-    // front.
-    set.X[to] = to > 0 ? set.X[to - 1] : 0.0;
-    set.Y[to] = to > 0 ? set.Y[to - 1] : 0.0;
-    set.mx[to] = set.my[to] = set.c[to] = set.is[to] = 0.0;
+    // Empty edges fill up the last lanes: no residual, no gradient, a bar point that is in front.
+    for (uint32_t i = to; i < to + 3; ++i) {
+        set.X[i] = to > 0 ? set.X[to - 1] : 0.0;
+        set.Y[i] = to > 0 ? set.Y[to - 1] : 0.0;
+        set.mx[i] = set.my[i] = set.c[i] = set.is[i] = 0.0;
+    }
 }
 
 } // namespace opms::pose

@@ -27,19 +27,19 @@ struct Placement {
 };
 
 /** Edges in an order of our own: the first `sample` are spread over all of them, so that a
- * start can be sought among few. Kept as columns for the vector unit, which takes two at a time:
- * there is room for one empty edge more. */
+ * start can be sought among few. Kept as columns for the vector unit, which takes four at a time:
+ * there is room for three empty edges more. */
 struct EdgeSet {
-    static constexpr uint32_t CAPACITY = OPMS_BAR_EDGES_MAX + 2;
+    static constexpr uint32_t CAPACITY = OPMS_BAR_EDGES_MAX + 4;
     uint32_t count;
     uint32_t sample;
     uint16_t order[CAPACITY]; /**< caller's index of each edge */
-    alignas(16) double X[CAPACITY];
-    alignas(16) double Y[CAPACITY];
-    alignas(16) double mx[CAPACITY]; /**< m / sigma */
-    alignas(16) double my[CAPACITY];
-    alignas(16) double c[CAPACITY];  /**< m.x_q / sigma */
-    alignas(16) double is[CAPACITY]; /**< the edge's part in the shift / sigma */
+    alignas(32) double X[CAPACITY];
+    alignas(32) double Y[CAPACITY];
+    alignas(32) double mx[CAPACITY]; /**< m / sigma */
+    alignas(32) double my[CAPACITY];
+    alignas(32) double c[CAPACITY];  /**< m.x_q / sigma */
+    alignas(32) double is[CAPACITY]; /**< the edge's part in the shift / sigma */
     double sigma_px[CAPACITY];
 };
 

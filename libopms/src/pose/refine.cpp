@@ -6,7 +6,7 @@
 #include <algorithm>
 
 #include "algebra/spd.h"
-#include "pose/edge_pair.h"
+#include "pose/edge_four.h"
 
 namespace opms::pose
 {
@@ -71,11 +71,10 @@ void follow_scale(const EdgeSet &set, uint32_t n, const RefinePlan &plan, Fit &f
 void residuals(const EdgeSet &set, uint32_t n, const Placement &placement, double *z)
 {
     const EdgeFrame frame(placement);
-    for (uint32_t i = 0; i < n; i += 2) {
-        const EdgePair edge(set, i, n, frame);
-        z[i] = edge.z[0];
-        if (i + 1 < n) {
-            z[i + 1] = edge.z[1];
+    for (uint32_t i = 0; i < n; i += WIDE_DOUBLES) {
+        const EdgeFour edge(set, i, n, frame);
+        for (uint32_t k = 0; k < WIDE_DOUBLES && i + k < n; ++k) {
+            z[i + k] = edge.z[k];
         }
     }
 }
@@ -91,46 +90,83 @@ double robust_scale(const double *z, uint32_t n)
     return 1.4826 * size[some / 2];
 }
 
+namespace
+{
+
+/* Sums over edges: of the products of the rows' elements, of these times the residuals' pull. */
+struct EdgeSums {
+    double products[28], slopes[7];
+    double lost, nearest;
+};
+
+WIDE_INLINE void sum_edges(const EdgeSet &set, uint32_t n, const EdgeFrame &frame, double scale,
+                           Steps steps, EdgeSums &out)
+{
+    Four products[28], slopes[7], lost = {}, nearest = {};
+    for (Four &sum : products) {
+        sum = Four{};
+    }
+    for (Four &slope : slopes) {
+        slope = Four{};
+    }
+    for (uint32_t i = 0; i < n; i += WIDE_DOUBLES) {
+        const EdgeFour edge(set, i, n, frame);
+        const Four nearer = edge.depth - wide_double_positive(edge.depth - nearest);
+        nearest = i == 0 ? edge.depth : nearer;
+        const Four part = edge.z * (1.0 / (TUKEY * scale));
+        const Four rest = wide_double_positive(1.0 - part * part);
+        const Four weight = rest * rest;
+        const Four pull = weight * edge.z;
+        const Four curvature = steps == Steps::Newton ? edge.curvature(scale) : weight;
+        lost += 1.0 - weight * rest;
+        Four row[7];
+        edge.gradient(row);
+        int place = 0;
+        for (int a = 0; a < 7; ++a) {
+            const Four weighted = curvature * row[a];
+            slopes[a] += pull * row[a];
+            for (int b = a; b < 7; ++b) {
+                products[place++] += weighted * row[b];
+            }
+        }
+    }
+    for (int place = 0; place < 28; ++place) {
+        out.products[place] = wide_double_sum(products[place]);
+    }
+    for (int a = 0; a < 7; ++a) {
+        out.slopes[a] = wide_double_sum(slopes[a]);
+    }
+    out.lost = wide_double_sum(lost);
+    out.nearest = std::min(std::min(nearest[0], nearest[1]), std::min(nearest[2], nearest[3]));
+}
+
+WIDE_AVX2 void sum_edges_avx2(const EdgeSet &set, uint32_t n, const EdgeFrame &frame, double scale,
+                              Steps steps, EdgeSums &out)
+{
+    sum_edges(set, n, frame, scale, steps, out);
+}
+
+} // namespace
+
 void normal_equations(const EdgeSet &set, uint32_t n, const Placement &placement, double scale,
                       Steps steps, Normal &normal)
 {
     const EdgeFrame frame(placement);
-    Pair sums[28], slopes[7], lost(0.0, 0.0), nearest(1e300, 1e300);
-    for (Pair &sum : sums) {
-        sum.setZero();
-    }
-    for (Pair &slope : slopes) {
-        slope.setZero();
-    }
-    for (uint32_t i = 0; i < n; i += 2) {
-        const EdgePair edge(set, i, n, frame);
-        nearest = nearest.min(edge.depth);
-        const Pair part = edge.z * (1.0 / (TUKEY * scale));
-        const Pair rest = (1.0 - part * part).max(Pair::Zero());
-        const Pair weight = rest * rest;
-        const Pair pull = weight * edge.z;
-        const Pair curvature = steps == Steps::Newton ? edge.curvature(scale) : weight;
-        lost += 1.0 - weight * rest;
-        Pair row[7];
-        edge.gradient(row);
-        int place = 0;
-        for (int a = 0; a < 7; ++a) {
-            const Pair weighted = curvature * row[a];
-            slopes[a] += pull * row[a];
-            for (int b = a; b < 7; ++b) {
-                sums[place++] += weighted * row[b];
-            }
-        }
+    EdgeSums sums;
+    if (wide_has_avx2()) {
+        sum_edges_avx2(set, n, frame, scale, steps, sums);
+    } else {
+        sum_edges(set, n, frame, scale, steps, sums);
     }
     int place = 0;
     for (int a = 0; a < 7; ++a) {
-        normal.gradient[a] = slopes[a].sum();
+        normal.gradient[a] = sums.slopes[a];
         for (int b = a; b < 7; ++b) {
-            normal.matrix(a, b) = normal.matrix(b, a) = sums[place++].sum();
+            normal.matrix(a, b) = normal.matrix(b, a) = sums.products[place++];
         }
     }
-    normal.cost = TUKEY * TUKEY / 3.0 * lost.sum();
-    normal.in_front = nearest.minCoeff() > 1e-9 && std::isfinite(normal.cost) &&
+    normal.cost = TUKEY * TUKEY / 3.0 * sums.lost;
+    normal.in_front = sums.nearest > 1e-9 && std::isfinite(normal.cost) &&
                       normal.matrix.allFinite() && normal.gradient.allFinite();
 }
 

@@ -1,20 +1,24 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /** @file
- * Two edges side by side in one vector register, their residuals and gradients.
+ * Four edges side by side in the vector unit, their residuals and gradients.
  *
  * With Xc = R^T (P - t), R <- R Exp(w), t <- t + d: dXc/dw = [Xc]x and dXc/dd = -R^T. For the ray
  * (x, y) = (Xc/Zc, Yc/Zc), the residual z = c - m.(x, y) - s gain/sigma and q = m.(x, y):
  *   dz/dw = (-(my + q y), mx + q x, my x - mx y),
  *   dz/d(R^T d) = (mx, my, -q) / Zc, dz/ds = -gain/sigma. */
-#ifndef OPMS_POSE_EDGE_PAIR_H
-#define OPMS_POSE_EDGE_PAIR_H
+#ifndef OPMS_POSE_EDGE_FOUR_H
+#define OPMS_POSE_EDGE_FOUR_H
 
+#include "algebra/wide_doubles.h"
 #include "pose/refine.h"
 
 namespace opms::pose
 {
 
-using Pair = Eigen::Array2d;
+/** Into functions that are compiled for several vector units. */
+#define EDGE_INLINE __attribute__((always_inline)) inline
+
+using Four = wide_double_t;
 
 /** Bar axes and origin in the camera frame. */
 struct EdgeFrame {
@@ -28,22 +32,23 @@ struct EdgeFrame {
     }
 };
 
-struct EdgePair {
-    Pair mx, my, is; /**< of the set */
-    Pair depth, nearness, x, y, q;
-    Pair z; /**< residual in sigmas */
+struct EdgeFour {
+    Four mx, my, is; /**< of the set */
+    Four depth, nearness, x, y, q;
+    Four z; /**< residual in sigmas */
 
-    /** Edges i and i + 1 of the first n; where i + 1 is n, the second counts for nothing. */
-    EdgePair(const EdgeSet &set, uint32_t i, uint32_t n, const EdgeFrame &frame)
-        : mx(load(set.mx + i)), my(load(set.my + i)), is(load(set.is + i))
+    /** Edges i to i + 3; those from n on count for nothing. */
+    EDGE_INLINE EdgeFour(const EdgeSet &set, uint32_t i, uint32_t n, const EdgeFrame &frame)
+        : mx(wide_double_load(set.mx + i)), my(wide_double_load(set.my + i)),
+          is(wide_double_load(set.is + i))
     {
-        const Pair X = load(set.X + i), Y = load(set.Y + i);
-        Pair c = load(set.c + i);
-        if (i + 1 == n) {
-            mx[1] = my[1] = is[1] = c[1] = 0.0;
+        const Four X = wide_double_load(set.X + i), Y = wide_double_load(set.Y + i);
+        Four c = wide_double_load(set.c + i);
+        for (uint32_t k = n - i; k < WIDE_DOUBLES; ++k) {
+            mx[k] = my[k] = is[k] = c[k] = 0.0;
         }
         depth = frame.ex.z() * X + frame.ey.z() * Y + frame.origin.z();
-        nearness = depth.inverse();
+        nearness = 1.0 / depth;
         x = (frame.ex.x() * X + frame.ey.x() * Y + frame.origin.x()) * nearness;
         y = (frame.ex.y() * X + frame.ey.y() * Y + frame.origin.y()) * nearness;
         q = mx * x + my * y;
@@ -51,7 +56,7 @@ struct EdgePair {
     }
 
     /** dz/d(w, R^T d, shift) */
-    void gradient(Pair row[7]) const
+    EDGE_INLINE void gradient(Four row[7]) const
     {
         row[0] = -(my + q * y);
         row[1] = mx + q * x;
@@ -63,18 +68,12 @@ struct EdgePair {
     }
 
     /** Slope of Tukey's weight times residual, not below 0: its part in the cost's curvature. */
-    Pair curvature(double scale) const
+    EDGE_INLINE Four curvature(double scale) const
     {
-        const Pair part = z * (1.0 / (TUKEY * scale));
-        const Pair part2 = part * part;
-        const Pair rest = (1.0 - part2).max(Pair::Zero());
-        return (rest * (rest - 4.0 * part2)).max(Pair::Zero());
-    }
-
-  private:
-    static Pair load(const double *column)
-    {
-        return Eigen::Map<const Pair, Eigen::Aligned16>(column);
+        const Four part = z * (1.0 / (TUKEY * scale));
+        const Four part2 = part * part;
+        const Four rest = wide_double_positive(1.0 - part2);
+        return wide_double_positive(rest * (rest - 4.0 * part2));
     }
 };
 
