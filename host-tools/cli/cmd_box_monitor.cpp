@@ -1,9 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* opms box monitor: a live view of a box, or a row a second. */
-#include <atomic>
 #include <chrono>
 #include <cmath>
-#include <csignal>
 #include <memory>
 #include <string>
 
@@ -16,6 +14,7 @@
 #include "box_watch.hpp"
 #include "cmd_box.hpp"
 #include "commands.hpp"
+#include "interrupted.hpp"
 #include "number_check.hpp"
 #include "result_stream.hpp"
 #include "text_screen.hpp"
@@ -33,17 +32,6 @@ struct MonitorArguments {
     double seconds = 0; /* 0: until Ctrl-C */
     bool json = false, arm = false, start = false;
 };
-
-std::atomic<bool> &interrupted()
-{
-    static std::atomic<bool> flag{false};
-    return flag;
-}
-
-void on_signal(int)
-{
-    interrupted() = true;
-}
 
 class Monitor {
 public:
@@ -186,8 +174,7 @@ int monitor(const MonitorArguments &arguments)
         box_talk(error.message);
         return box_exit_code(status);
     }
-    std::signal(SIGINT, on_signal);
-    std::signal(SIGTERM, on_signal);
+    catch_interrupts();
     return Monitor(arguments, *device, settings.settings.period_us).run();
 }
 

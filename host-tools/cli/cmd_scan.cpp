@@ -1,17 +1,18 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* opms scan: a scan from the software start to the stop, without a console. */
-#include <atomic>
 #include <chrono>
-#include <csignal>
 #include <cstdio>
 #include <memory>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
 
 #include "commands.hpp"
+#include "interrupted.hpp"
 #include "live_options.hpp"
 #include "location_json.hpp"
 #include "number_check.hpp"
@@ -40,19 +41,6 @@ struct ScanArguments {
     bool start = false, focus = false, json = false;
 };
 
-std::atomic<bool> &interrupted()
-{
-    static std::atomic<bool> flag{false};
-    return flag;
-}
-
-/** The first one ends the scan well; a second one ends the program at once. */
-void on_signal(int number)
-{
-    interrupted() = true;
-    std::signal(number, SIG_DFL);
-}
-
 void talk(const std::string &line)
 {
     std::fprintf(stderr, "opms: %s\n", line.c_str());
@@ -61,8 +49,8 @@ void talk(const std::string &line)
 /** One scan, watched until it ends. */
 class Scan {
 public:
-    Scan(const ScanArguments &arguments, LiveSession &session)
-        : arguments_(arguments), session_(session),
+    Scan(const ScanArguments &arguments, LiveSession &session, std::vector<SensorFile> sensors)
+        : arguments_(arguments), session_(session), feeder_(std::move(sensors)),
           screen_(!arguments.json && isatty(STDOUT_FILENO))
     {
     }
@@ -83,6 +71,7 @@ private:
 
     const ScanArguments &arguments_;
     LiveSession &session_;
+    SensorFeeder feeder_;
     const bool screen_;
     ScanView view_;
     FocusView focus_;
@@ -171,10 +160,12 @@ void Scan::watch(ScanFeed &feed)
 {
     while (!is_over(session_.status())) {
         drain(feed, TAKE_MS);
+        live_feed_sensors(feeder_, session_);
         if (!show(SteadyClock::now(), false)) {
             break;
         }
     }
+    live_feed_sensors(feeder_, session_);
 }
 
 int Scan::judge(const ScanEnd &end) const
@@ -254,6 +245,10 @@ void prepare_focus(ScanArguments &arguments)
 int scan(ScanArguments arguments)
 {
     prepare_focus(arguments);
+    std::vector<SensorFile> sensors;
+    if (!live_sensor_files(arguments.live, sensors)) {
+        return EXIT_CODE_USAGE;
+    }
     int exit_code = EXIT_CODE_OK;
     ScanFeed feed; /* must outlive the session, which calls it */
     const std::unique_ptr<LiveSession> session = open_live_session(arguments.live, exit_code);
@@ -261,9 +256,8 @@ int scan(ScanArguments arguments)
         return exit_code;
     }
     session->add_listener(&feed);
-    std::signal(SIGINT, on_signal);
-    std::signal(SIGTERM, on_signal);
-    return Scan(arguments, *session).run(feed);
+    catch_interrupts();
+    return Scan(arguments, *session, std::move(sensors)).run(feed);
 }
 
 }  // namespace

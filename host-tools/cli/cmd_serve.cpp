@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* opms serve: a session that a Master PC starts, stops and listens to over the network. */
-#include <atomic>
-#include <csignal>
 #include <cstdio>
 #include <deque>
 #include <memory>
@@ -14,6 +12,7 @@
 #include "api_handler.hpp"
 #include "commands.hpp"
 #include "console_server.hpp"
+#include "interrupted.hpp"
 #include "listen_address.hpp"
 #include "live_control.hpp"
 #include "live_options.hpp"
@@ -33,22 +32,8 @@ struct ServeArguments {
     LiveArguments live;
     std::string listen = "127.0.0.1:47660", token_file;
     ServerOptions server;
-    std::vector<std::string> sensors;
     bool insecure = false;
 };
-
-std::atomic<bool> &interrupted()
-{
-    static std::atomic<bool> flag{false};
-    return flag;
-}
-
-/** The first one ends the scan well; a second one ends the program at once. */
-void on_signal(int number)
-{
-    interrupted() = true;
-    std::signal(number, SIG_DFL);
-}
 
 void talk(const std::string &line)
 {
@@ -117,13 +102,7 @@ bool Serve::open(const std::string &token, int &exit_code)
 
 void Serve::feed()
 {
-    const auto take = [this](const SensorRecord &record, std::string &error) {
-        return session_->add_sensor_sample(record, error);
-    };
-    for (const std::string &trouble :
-         feeder_.step(session_->status().scan, *session_->clock(), take)) {
-        talk(trouble);
-    }
+    live_feed_sensors(feeder_, *session_);
 }
 
 /** Events and states, for the person at this machine. */
@@ -221,12 +200,12 @@ int serve(ServeArguments arguments)
         problem = listen_refusal(server.listen, {!arguments.token_file.empty(),
                                                  !server.cert_path.empty(), arguments.insecure});
     }
-    std::vector<SensorFile> sensors(arguments.sensors.size());
-    for (std::size_t i = 0; problem.empty() && i < sensors.size(); i++) {
-        problem = sensor_option_problem(arguments.sensors[i], sensors[i].name, sensors[i].path);
-    }
     if (!problem.empty()) {
         return usage(problem);
+    }
+    std::vector<SensorFile> sensors;
+    if (!live_sensor_files(arguments.live, sensors)) {
+        return EXIT_CODE_USAGE;
     }
     if (!server.listen.is_loopback && server.cert_path.empty()) {
         talk("warning: without TLS everybody on this network can read the token and all else");
@@ -236,8 +215,7 @@ int serve(ServeArguments arguments)
     if (!find_token(arguments, token, exit_code)) {
         return exit_code;
     }
-    std::signal(SIGINT, on_signal);
-    std::signal(SIGTERM, on_signal);
+    catch_interrupts();
     return Serve(arguments, std::move(sensors)).run(token);
 }
 
@@ -261,10 +239,5 @@ void add_cmd_serve(CLI::App &app, int &exit_code)
         ->type_name("FILE.pem");
     cmd->add_flag("--insecure", arguments->insecure,
                   "Beyond this machine without TLS, where nobody else is on the network");
-    cmd->add_option("--sensor", arguments->sensors,
-                    "Samples of another sensor, from a table that may still grow")
-        ->type_name("NAME=FILE.csv")
-        ->take_all()
-        ->allow_extra_args(false);
     cmd->callback([arguments, &exit_code] { exit_code = serve(*arguments); });
 }

@@ -14,6 +14,7 @@
 #include "commands.hpp"
 #include "open_devices.hpp"
 #include "scans_folder.hpp"
+#include "sensor_feed.hpp"
 #ifdef OPMS_CLI_HAVE_SIMULATED
 #include "simulated_factory.hpp"
 #endif
@@ -172,6 +173,11 @@ void add_live_options(CLI::App &command, LiveArguments &a)
     command.add_option("--gain-db", a.gain_db, "Fixed gain [automatic]")
         ->type_name("G")
         ->check(CLI::Range(0.0, 60.0));
+    command.add_option("--sensor", a.sensors,
+                       "Samples of another sensor, from a table that may still grow")
+        ->type_name("NAME=FILE.csv")
+        ->take_all()
+        ->allow_extra_args(false);
     command.add_flag("--wait", a.wait, "Wait for a box or camera that is not there yet");
 }
 
@@ -231,4 +237,29 @@ ScanRequest live_scan_request(const LiveArguments &arguments, const std::string 
                                                    {"pictures", arguments.pictures}}
                                 .dump();
     return request;
+}
+
+bool live_sensor_files(const LiveArguments &arguments, std::vector<SensorFile> &files)
+{
+    for (const std::string &text : arguments.sensors) {
+        SensorFile file;
+        const std::string problem = sensor_option_problem(text, file.name, file.path);
+        if (!problem.empty()) {
+            talk(problem);
+            return false;
+        }
+        files.push_back(file);
+    }
+    return true;
+}
+
+void live_feed_sensors(SensorFeeder &feeder, LiveSession &session)
+{
+    const auto take = [&session](const SensorRecord &record, std::string &error) {
+        return session.add_sensor_sample(record, error);
+    };
+    for (const std::string &trouble :
+         feeder.step(session.status().scan, *session.clock(), take)) {
+        talk(trouble);
+    }
 }

@@ -7,8 +7,10 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "live_session.hpp"
+#include "sensor_feeder.hpp"
 
 namespace CLI {
 class App;
@@ -25,6 +27,7 @@ struct LiveArguments {
     double period_ms = 0;           /**< 0: as the box has it */
     double rate_hz = 10;            /**< of a camera without a box */
     double exposure_us = opms_host::NOT_KNOWN, gain_db = opms_host::NOT_KNOWN;
+    std::vector<std::string> sensors; /**< NAME=FILE.csv */
     bool wait = false;              /**< for devices that are not there yet */
 };
 
@@ -39,5 +42,11 @@ std::unique_ptr<opms_host::LiveSession> open_live_session(const LiveArguments &a
 
 /** A scan to be made with these options. @param name  Empty: date and time. */
 opms_host::ScanRequest live_scan_request(const LiveArguments &arguments, const std::string &name);
+
+/** The files of --sensor. @return false where one is not well said; why is on stderr. */
+bool live_sensor_files(const LiveArguments &arguments, std::vector<opms_host::SensorFile> &files);
+
+/** Hand over what the files have got; troubles go to stderr, once each. */
+void live_feed_sensors(opms_host::SensorFeeder &feeder, opms_host::LiveSession &session);
 
 #endif
