@@ -87,7 +87,7 @@ public:
     void print(double period_ms)
     {
         const std::lock_guard<std::mutex> lock(mutex_);
-        const auto missed = std::count_if(published_ms_.begin(), published_ms_.end(),
+        const auto missed = std::count_if(located_ms_.begin(), located_ms_.end(),
                                           [&](double delay) { return delay > period_ms; });
         std::printf("\"pictures\":%zu,\"poses\":%zu,\"missed\":%zu,", located_ms_.size(),
                     with_time_, static_cast<std::size_t>(missed));
