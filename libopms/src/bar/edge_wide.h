@@ -7,22 +7,39 @@
 #include "algebra/normal_wide.h"
 #include "bar/edge_blur.h"
 
+/** The normal distribution at both ends of the blur's box, at the middle alone where it has none:
+ * one loop, since every other copy of it is a kilobyte. */
+typedef struct box_ends {
+    wide_t z[2];
+    normal_wide_t at[2];
+} box_ends_t;
+
+WIDE_INLINE void box_ends_at(const edge_blur_t *blur, wide_t s, box_ends_t *ends)
+{
+    const int count = blur->box > 0.f ? 2 : 1;
+    ends->z[0] = (s - 0.5f * blur->box) * blur->per_gauss;
+    ends->z[1] = (s + 0.5f * blur->box) * blur->per_gauss;
+    for (int i = 0; i < count; ++i) {
+        ends->at[i] = normal_wide(ends->z[i]);
+    }
+}
+
 /** Profile at s px from the edge; the pulse is per px. */
 WIDE_INLINE normal_wide_t edge_wide_blurred(const edge_blur_t *blur, wide_t s)
 {
+    box_ends_t ends;
+    box_ends_at(blur, s, &ends);
+    const normal_wide_t a = ends.at[0];
     if (blur->box <= 0.f) {
-        normal_wide_t p = normal_wide(s * blur->per_gauss);
-        p.pulse *= blur->per_gauss;
-        return p;
+        const normal_wide_t plain = {a.step, a.pulse * blur->per_gauss};
+        return plain;
     }
     /* The box averages the Gaussian step from s - box/2 to s + box/2; the integral of the normal
      * distribution is z step + pulse. */
-    const wide_t high = (s + 0.5f * blur->box) * blur->per_gauss;
-    const wide_t low = (s - 0.5f * blur->box) * blur->per_gauss;
-    const normal_wide_t a = normal_wide(low), b = normal_wide(high);
-    const normal_wide_t p = {
-        ((high * b.step + b.pulse) - (low * a.step + a.pulse)) * (blur->gauss * blur->per_box),
-        (b.step - a.step) * blur->per_box};
+    const normal_wide_t b = ends.at[1];
+    const normal_wide_t p = {((ends.z[1] * b.step + b.pulse) - (ends.z[0] * a.step + a.pulse)) *
+                                 (blur->gauss * blur->per_box),
+                             (b.step - a.step) * blur->per_box};
     return p;
 }
 

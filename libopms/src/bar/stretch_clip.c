@@ -34,20 +34,20 @@ typedef struct shaped_profile {
 WIDE_INLINE shaped_profile_t shaped_at(const edge_blur_t *blur, wide_t s)
 {
     shaped_profile_t p;
+    box_ends_t ends;
+    box_ends_at(blur, s, &ends);
+    const wide_t low = ends.z[0], high = ends.z[1];
+    const normal_wide_t a = ends.at[0];
     p.by_cross = wide_of(0.f);
     if (blur->box <= 0.f) {
-        const wide_t z = s * blur->per_gauss;
-        const normal_wide_t plain = normal_wide(z);
-        p.step = plain.step;
-        p.pulse = plain.pulse * blur->per_gauss;
+        p.step = a.step;
+        p.pulse = a.pulse * blur->per_gauss;
         p.by_box = wide_of(0.f);
-        p.by_gauss = -z * p.pulse;
+        p.by_gauss = -low * p.pulse;
         return p;
     }
     /* As edge_wide_blurred(). */
-    const wide_t high = (s + 0.5f * blur->box) * blur->per_gauss;
-    const wide_t low = (s - 0.5f * blur->box) * blur->per_gauss;
-    const normal_wide_t a = normal_wide(low), b = normal_wide(high);
+    const normal_wide_t b = ends.at[1];
     p.step = ((high * b.step + b.pulse) - (low * a.step + a.pulse)) *
              (blur->gauss * blur->per_box);
     p.pulse = (b.step - a.step) * blur->per_box;
@@ -128,17 +128,18 @@ WIDE_INLINE void add_end(const side_model_t *model, wide_t s, wide_t along,
 WIDE_INLINE void add_cells(const side_model_t *model, const stretch_parts_t *parts, wide_t s,
                              wide_t along, shaped_profile_t *w)
 {
-    const wide_t from_near = s - model->cell_near;
-    shaped_profile_t across = shaped_at(&model->blur, from_near);
-    wide_t crossed = cross_pulse(&model->blur, from_near, across.pulse);
-    if (parts->cells_far) {
-        const wide_t from_far = s - model->cell_far;
-        const shaped_profile_t far = shaped_at(&model->blur, from_far);
-        across.step -= far.step;
-        across.pulse -= far.pulse;
-        across.by_box -= far.by_box;
-        across.by_gauss -= far.by_gauss;
-        crossed -= cross_pulse(&model->blur, from_far, far.pulse);
+    const wide_t none = wide_of(0.f);
+    shaped_profile_t across = {none, none, none, none, none};
+    wide_t crossed = none;
+    for (int far = 0; far <= parts->cells_far; ++far) {
+        const float sign = far ? -1.f : 1.f;
+        const wide_t from = s - (far ? model->cell_far : model->cell_near);
+        const shaped_profile_t border = shaped_at(&model->blur, from);
+        across.step += sign * border.step;
+        across.pulse += sign * border.pulse;
+        across.by_box += sign * border.by_box;
+        across.by_gauss += sign * border.by_gauss;
+        crossed += sign * cross_pulse(&model->blur, from, border.pulse);
     }
     wide_t ends;
     const wide_t cells = cells_at(model, &parts->cell_ends, along, &ends);

@@ -142,11 +142,12 @@ WIDE_INLINE void add_end(const side_model_t *model, wide_t s, wide_t along, cove
 WIDE_INLINE void add_cells(const side_model_t *model, const stretch_parts_t *parts, wide_t s,
                            wide_t along, coverage_t *of)
 {
-    normal_wide_t across = edge_wide_blurred(&model->blur, s - model->cell_near);
-    if (parts->cells_far) {
-        const normal_wide_t far = edge_wide_blurred(&model->blur, s - model->cell_far);
-        across.step -= far.step;
-        across.pulse -= far.pulse;
+    normal_wide_t across = {wide_of(0.f), wide_of(0.f)};
+    for (int far = 0; far <= parts->cells_far; ++far) {
+        const float at = far ? model->cell_far : model->cell_near, sign = far ? -1.f : 1.f;
+        const normal_wide_t border = edge_wide_blurred(&model->blur, s - at);
+        across.step += sign * border.step;
+        across.pulse += sign * border.pulse;
     }
     wide_t ends;
     const wide_t cells = cells_at(model, &parts->cell_ends, along, &ends);
@@ -190,9 +191,9 @@ WIDE_INLINE void add_ground(wide_t k, wide_t i, wide_t w, wide_t g, wide_t h, la
     sum->kk += k * k;
 }
 
-/** Sum up eight lines. `alone` is a constant: nothing but the edge is within reach of them. */
+/** Sum up eight lines. */
 WIDE_INLINE void sum_lines(const side_model_t *model, const stretch_parts_t *parts,
-                           const line_lanes_t *lines, int alone, lane_sums_t *sum)
+                           const line_lanes_t *lines, lane_sums_t *sum)
 {
     const wide_t nearly_white = wide_of(model->white_level - 0.5f);
     for (int rank = 0; rank < lines->ranks; ++rank) {
@@ -206,15 +207,13 @@ WIDE_INLINE void sum_lines(const side_model_t *model, const stretch_parts_t *par
         const float s_high = lines->s_high + n * lines->s_step;
         const normal_wide_t edge = edge_wide_blurred(&model->blur, s);
         coverage_t of = {edge.step, edge.pulse, wide_of(0.f)};
-        const int at_cells = !alone && parts->cells && s_high > parts->cells_from;
-        if (!alone) {
-            const wide_t along = lines->along + n * lines->along_step;
-            if (parts->end) {
-                add_end(model, s, along, &of);
-            }
-            if (at_cells) {
-                add_cells(model, parts, s, along, &of);
-            }
+        const int at_cells = parts->cells && s_high > parts->cells_from;
+        const wide_t along = lines->along + n * lines->along_step;
+        if (parts->end) {
+            add_end(model, s, along, &of);
+        }
+        if (at_cells) {
+            add_cells(model, parts, s, along, &of);
         }
         const wide_t w = wide_where(used, of.white), g = wide_where(used, of.slope);
         const wide_t h = s * g * -model->per_sigma;
@@ -226,7 +225,7 @@ WIDE_INLINE void sum_lines(const side_model_t *model, const stretch_parts_t *par
             sum->cw += c * w;
             sum->cg += c * g;
         }
-        if (!alone && parts->ground && s_high > parts->ground_from) {
+        if (parts->ground && s_high > parts->ground_from) {
             const wide_t ground = edge_wide_blurred(&model->blur, s - model->ground).step;
             add_ground(wide_where(used, ground), i, w, g, h, sum);
         }
@@ -277,12 +276,8 @@ WIDE_INLINE void sum_two(const side_model_t *model, const fit_lines_t lines[2],
         load_lines(lines, from, &low, &high, &eight);
         parts_of(model, &eight, low, high, &parts);
         cells |= parts.cells;
-        if (parts.end || parts.cells || parts.ground) {
-            others = 1;
-            sum_lines(model, &parts, &eight, 0, &sum);
-        } else {
-            sum_lines(model, &parts, &eight, 1, &sum);
-        }
+        others |= parts.end || parts.cells || parts.ground;
+        sum_lines(model, &parts, &eight, &sum);
     }
     write_sums(&sum, others, sums);
     for (int half = 0; half < 2; ++half) {
