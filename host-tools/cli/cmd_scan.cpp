@@ -186,9 +186,13 @@ int Scan::end()
 {
     ScanEnd end;
     std::string error;
+    const std::string name = session_.status().scan;
     const bool ended = session_.software_stop(&end, error);
     if (!ended) {
         talk(error);
+    }
+    if (!name.empty() && !arguments_.live.no_recording) {
+        talk("recorded: " + live_scans_folder(arguments_.live) + "/" + name);
     }
     return ended ? judge(end) : EXIT_CODE_INPUT;
 }

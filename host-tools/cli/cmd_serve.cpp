@@ -19,7 +19,6 @@
 #include "result_stream.hpp"
 #include "scan_feed.hpp"
 #include "scan_view.hpp"
-#include "scans_folder.hpp"
 #include "sensor_feeder.hpp"
 
 namespace {
@@ -79,7 +78,7 @@ bool Serve::open(const std::string &token, int &exit_code)
     const LiveArguments &live = arguments_.live;
     control_ = std::make_unique<LiveControl>(
         *session_, LiveControlOptions{
-                       live.folder.empty() ? scans_folder() : live.folder,
+                       live_scans_folder(live),
                        [&live](const std::string &name) { return live_scan_request(live, name); },
                        [this] { feed(); }});
     const ServerOptions &options = arguments_.server;

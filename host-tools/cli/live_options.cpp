@@ -220,13 +220,18 @@ std::unique_ptr<LiveSession> open_live_session(const LiveArguments &arguments, i
     return session;
 }
 
+std::string live_scans_folder(const LiveArguments &arguments)
+{
+    return arguments.folder.empty() ? scans_folder() : arguments.folder;
+}
+
 ScanRequest live_scan_request(const LiveArguments &arguments, const std::string &name)
 {
     ScanRequest request;
     request.name = name;
     if (!arguments.no_recording) {
         RecorderOptions recording;
-        recording.folder = arguments.folder.empty() ? scans_folder() : arguments.folder;
+        recording.folder = live_scans_folder(arguments);
         picture_step(arguments.pictures, recording.picture_every);
         request.recording = recording;
     }

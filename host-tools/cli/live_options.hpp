@@ -43,6 +43,9 @@ std::unique_ptr<opms_host::LiveSession> open_live_session(const LiveArguments &a
 /** A scan to be made with these options. @param name  Empty: date and time. */
 opms_host::ScanRequest live_scan_request(const LiveArguments &arguments, const std::string &name);
 
+/** Where these options keep scans. */
+std::string live_scans_folder(const LiveArguments &arguments);
+
 /** The files of --sensor. @return false where one is not well said; why is on stderr. */
 bool live_sensor_files(const LiveArguments &arguments, std::vector<opms_host::SensorFile> &files);
 

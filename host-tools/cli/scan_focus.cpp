@@ -36,12 +36,12 @@ const char *what_to_do(BlurVerdict verdict, bool at_best)
     switch (verdict) {
     case BlurVerdict::motion: return "hold the detector still: the picture moves";
     case BlurVerdict::aperture:
-        return "sharp in part: close the aperture by a stop, or focus on the bar's middle";
+        return "sharp in part alone: close it by a stop, or focus on the bar's middle";
     case BlurVerdict::focus:
         return at_best ? "the best so far: if turning on makes it worse, this is the place"
                        : "turn the lens towards a shorter gauge";
     case BlurVerdict::sharp:
-        return at_best ? "sharp: fix the lens here" : "sharp, but has been sharper";
+        return at_best ? "fix the lens here" : "but it has been sharper";
     case BlurVerdict::unknown: break;
     }
     return "not to be told from this picture";

@@ -75,6 +75,7 @@ class Scan(CliTest):
         self.assertGreaterEqual(poses, 20)
         self.assertEqual(self.rows_of("poses"), poses)
         self.assertEqual(len(list(self.one_recording().parent.rglob("*.png"))), poses)
+        self.assertIn(f"recorded: {self.one_recording().parent}", result.stderr)
 
     def test_no_recording_leaves_nothing_behind(self):
         result = self.scan("--no-recording", "--count", "10")
