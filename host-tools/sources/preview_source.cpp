@@ -7,10 +7,10 @@
 #include <thread>
 #include <utility>
 
-#include <opencv2/videoio.hpp>
-
 #include "lent_buffers.hpp"
 #include "picture_file.hpp"
+#include "preview_camera.hpp"
+#include "program_module.hpp"
 #include "source_queue.hpp"
 
 namespace opms_host {
@@ -20,8 +20,9 @@ constexpr auto RETRY = std::chrono::milliseconds(500);
 
 class PreviewSource : public FrameSource {
 public:
-    PreviewSource(int number, std::shared_ptr<HostClock> clock)
-        : number_(number), clock_(std::move(clock))
+    PreviewSource(int number, std::shared_ptr<HostClock> clock,
+                  std::unique_ptr<PreviewCamera> camera)
+        : number_(number), clock_(std::move(clock)), camera_(std::move(camera))
     {
     }
     ~PreviewSource() override { stop(); }
@@ -29,13 +30,13 @@ public:
     bool open(std::string &error)
     {
         cv::Mat picture;
-        if (!capture_.open(number_) || !capture_.read(picture) || picture.empty()) {
+        if (!camera_->open(number_) || !camera_->read(picture) || picture.empty()) {
             error = "OpenCV finds no camera " + std::to_string(number_) +
                     "; see the list of cameras";
             return false;
         }
         traits_.name = "preview:" + std::to_string(number_);
-        traits_.model = capture_.getBackendName();
+        traits_.model = camera_->backend();
         traits_.width_px = picture.cols;
         traits_.height_px = picture.rows;
         traits_.preview_only = true;
@@ -99,10 +100,10 @@ private:
         bool lost = false;
         while (running_) {
             cv::Mat picture;
-            if (!capture_.read(picture) || picture.empty()) {
+            if (!camera_->read(picture) || picture.empty()) {
                 tell(lost, true);
                 std::this_thread::sleep_for(RETRY);
-                capture_.open(number_);
+                camera_->open(number_);
                 continue;
             }
             tell(lost, false);
@@ -147,7 +148,7 @@ private:
 
     const int number_;
     const std::shared_ptr<HostClock> clock_;
-    cv::VideoCapture capture_;
+    const std::unique_ptr<PreviewCamera> camera_;
     SourceTraits traits_;
     SourceQueue queue_;
     std::thread reader_;
@@ -163,7 +164,13 @@ private:
 std::unique_ptr<FrameSource> open_preview_source(int number, std::shared_ptr<HostClock> clock,
                                                  std::string &error)
 {
-    auto source = std::make_unique<PreviewSource>(number, std::move(clock));
+    const auto make = reinterpret_cast<decltype(&opms_preview_camera)>(
+        program_module_symbol("opms_preview.so", "opms_preview_camera", error));
+    if (!make) {
+        return nullptr;
+    }
+    auto source = std::make_unique<PreviewSource>(number, std::move(clock),
+                                                  std::unique_ptr<PreviewCamera>(make()));
     if (!source->open(error)) {
         return nullptr;
     }
