@@ -10,11 +10,11 @@
 
 #include <unistd.h>
 
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "overlay_parts.hpp"
 #include "picture_file.hpp"
+#include "png_matrix.hpp"
 
 namespace {
 
@@ -23,6 +23,7 @@ namespace fs = std::filesystem;
 constexpr double WIDTH_WANTED_PX = 2048; /* small pictures are enlarged to about this */
 constexpr double MAGNIFICATION_MAX = 4;
 constexpr int PANEL_HEIGHT_MIN_PX = 1200;
+constexpr int PNG_LEVEL = 3; /* light: an overlay is looked at once, and 9 takes a second */
 constexpr double BRIGHTNESS = 0.8; /* of the picture behind the marks */
 
 /** The picture as 8 bit BGR, enlarged and a little darker. */
@@ -100,8 +101,11 @@ std::string OverlayFolder::file_for(const std::string &image)
 
 bool OverlayFolder::write(const OverlayScene &scene, std::string &error)
 {
-    std::vector<unsigned char> bytes;
-    /* Light compression: an overlay is looked at once, and 9 takes a second. */
-    cv::imencode(".png", overlay_draw(scene), bytes, {cv::IMWRITE_PNG_COMPRESSION, 3});
-    return write_file(file_for(scene.result.image), bytes, error);
+    const std::string path = file_for(scene.result.image);
+    const auto bytes = opms_host::png_from_matrix(overlay_draw(scene), PNG_LEVEL);
+    if (bytes.empty()) {
+        error = path + ": cannot write the overlay: it cannot be packed";
+        return false;
+    }
+    return write_file(path, bytes, error);
 }

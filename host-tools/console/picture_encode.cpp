@@ -4,7 +4,9 @@
 #include <vector>
 
 #include <opencv2/core.hpp>
-#include <opencv2/imgcodecs.hpp>
+
+#include "picture_codecs.hpp"
+#include "png_matrix.hpp"
 
 namespace opms_host {
 
@@ -32,20 +34,17 @@ bool picture_encode(const opms_image_t &image, bool png, std::string &bytes, std
     const cv::Mat grey(image.height_px, image.width_px, type, const_cast<void *>(image.pixels),
                        static_cast<std::size_t>(image.stride_bytes));
     std::vector<unsigned char> file;
-    try {
-        const bool good = png ? cv::imencode(".png", grey, file,
-                                             {cv::IMWRITE_PNG_COMPRESSION, PNG_FAST})
-                              : cv::imencode(".jpg", eight_bits(grey, image), file,
-                                             {cv::IMWRITE_JPEG_QUALITY, JPEG_QUALITY});
-        if (good) {
-            bytes.assign(file.begin(), file.end());
-            return true;
-        }
-        error = "the picture cannot be encoded";
-    } catch (const cv::Exception &) {
-        error = "the picture cannot be encoded";
+    if (png) {
+        file = png_from_matrix(grey, PNG_FAST);
+    } else if (!codecs_jpeg(eight_bits(grey, image), JPEG_QUALITY, file, error)) {
+        return false;
     }
-    return false;
+    if (file.empty()) {
+        error = "the picture cannot be encoded";
+        return false;
+    }
+    bytes.assign(file.begin(), file.end());
+    return true;
 }
 
 }  // namespace opms_host

@@ -5,14 +5,14 @@
 #include <iterator>
 #include <vector>
 
-#include <opencv2/imgcodecs.hpp>
-
 #include "picture_file.hpp"
+#include "png_matrix.hpp"
 
 namespace opms_host {
 
 namespace {
 
+constexpr int PNG_LEVEL = 1;
 const std::string PNG_MAGIC("\x89PNG\r\n\x1a\n", 8);
 
 bool read_whole(const std::string &path, std::string &bytes)
@@ -36,8 +36,8 @@ bool export_picture_png(const std::string &path, std::int32_t width_px, std::int
     if (png.compare(0, PNG_MAGIC.size(), PNG_MAGIC) == 0) {
         return true;
     }
-    std::vector<unsigned char> packed;
-    if (!cv::imencode(".png", picture, packed)) {
+    const std::vector<unsigned char> packed = png_from_matrix(picture, PNG_LEVEL);
+    if (packed.empty()) {
         error = path + ": cannot be packed as PNG";
         return false;
     }

@@ -8,10 +8,11 @@
 #include <memory>
 #include <vector>
 
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "picture_codecs.hpp"
 #include "picture_header.hpp"
+#include "png_matrix.hpp"
 
 namespace {
 
@@ -74,13 +75,15 @@ bool check_header(const std::vector<unsigned char> &bytes, PictureHeader &header
     return error.empty();
 }
 
-cv::Mat decode(const std::vector<unsigned char> &bytes)
+/** @return Empty with @p error where the format's reader is missing, without where it fails. */
+cv::Mat decode(const std::vector<unsigned char> &bytes, PictureKind kind, std::string &error)
 {
-    try {
-        return cv::imdecode(bytes, cv::IMREAD_UNCHANGED);
-    } catch (const cv::Exception &) {
-        return cv::Mat();
+    if (kind == PictureKind::png) {
+        return opms_host::png_to_matrix(bytes);
     }
+    cv::Mat picture;
+    opms_host::codecs_decode(bytes, picture, error);
+    return picture;
 }
 
 /** Unpack a picture whose header has been found good. */
@@ -91,7 +94,10 @@ cv::Mat unpack(const std::vector<unsigned char> &bytes, const PictureHeader &hea
         error = "is a damaged picture: it ends early";
         return cv::Mat();
     }
-    const cv::Mat picture = decode(bytes);
+    const cv::Mat picture = decode(bytes, header.kind, error);
+    if (!error.empty()) {
+        return cv::Mat();
+    }
     if (picture.empty() || static_cast<uint64_t>(picture.cols) != header.width_px ||
         static_cast<uint64_t>(picture.rows) != header.height_px) {
         error = "is a damaged picture: it cannot be decoded";

@@ -3,10 +3,11 @@
 #include <cmath>
 #include <fstream>
 #include <stdexcept>
+#include <vector>
 
 #include <nlohmann/json.hpp>
-#include <opencv2/imgcodecs.hpp>
 
+#include "png_matrix.hpp"
 #include "sim_json.hpp"
 #include "simulate/simulate.hpp"
 
@@ -17,6 +18,7 @@ namespace
 
 using nlohmann::ordered_json;
 
+constexpr int PNG_LEVEL = 1;
 constexpr double PIXEL_VARIANCE = 1.0 / 12; /* of a square of side 1 */
 
 bool is_moving(const Motion &m)
@@ -101,13 +103,12 @@ void write_picture(const std::string &folder, const std::string &name, const std
                    const Scene &scene, const cv::Mat &picture)
 {
     const std::string stem = folder + "/" + name;
-    bool written = false;
-    try {
-        written = cv::imwrite(stem + ".png", picture, {cv::IMWRITE_PNG_COMPRESSION, 1});
-    } catch (const cv::Exception &) {
-        written = false;
-    }
-    if (!written) {
+    const std::vector<unsigned char> file = opms_host::png_from_matrix(picture, PNG_LEVEL);
+    std::ofstream out(stem + ".png", std::ios::binary);
+    out.write(reinterpret_cast<const char *>(file.data()),
+              static_cast<std::streamsize>(file.size()));
+    out.close();
+    if (file.empty() || !out) {
         throw std::runtime_error(stem + ".png: cannot be written");
     }
     std::ofstream truth(stem + ".json");
