@@ -5,10 +5,23 @@ import json
 import os
 import re
 import subprocess
+import time
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[3]
 TOKEN = "token-of-the-tests-0123456789"
+
+
+def eventually(test, what, seconds=120):
+    """What @p test gives once that is true."""
+    end = time.monotonic() + seconds
+    while True:
+        found = test()
+        if found:
+            return found
+        if time.monotonic() > end:
+            raise AssertionError(f"this never came: {what}")
+        time.sleep(0.05)
 
 
 class Bench:

@@ -6,7 +6,6 @@ import select
 import signal
 import subprocess
 import tempfile
-import time
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[3]
@@ -72,14 +71,3 @@ class Serve:
         self.process.wait()
         self.process.stdout.close()
         self.talk.close()
-
-
-def eventually(test, what, seconds=120):
-    end = time.monotonic() + seconds
-    while True:
-        found = test()
-        if found:
-            return found
-        if time.monotonic() > end:
-            raise AssertionError(f"this never came: {what}")
-        time.sleep(0.1)

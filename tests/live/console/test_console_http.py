@@ -5,7 +5,7 @@ import re
 import socket
 import unittest
 
-from console_kit import ROOT, TOKEN, Bench, Interface
+from console_kit import ROOT, TOKEN, Bench, Interface, eventually
 
 INTERFACE = Interface()
 OPERATIONS = [o for o in INTERFACE.operations() if o[2]["operationId"] != "stream"]
@@ -57,6 +57,8 @@ class EveryCall(unittest.TestCase):
         cls.bench = Bench()
         cls.bench.ask("picture")
         cls.bench.ask("pose 1")
+        # Publishing returns before the pose has become text, so that no session waits for that.
+        eventually(lambda: cls.bench.call("GET", "/api/v1/pose")[0] == 200, "the pose")
 
     @classmethod
     def tearDownClass(cls):

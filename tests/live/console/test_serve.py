@@ -6,7 +6,8 @@ import tempfile
 import unittest
 from pathlib import Path
 
-from serve_kit import CAMERA, TOKEN, Serve, eventually, load_client, run
+from console_kit import eventually
+from serve_kit import CAMERA, TOKEN, Serve, load_client, run
 from ws_kit import Closed, RawSocket
 
 client_module = load_client()
