@@ -4,6 +4,7 @@
  * the program began is sought by a thread that tries to open it, once a second. */
 #include "hid_box.hpp"
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <condition_variable>
@@ -206,7 +207,9 @@ private:
         item.kind = OPMS_ITEM_LINK;
         item.t_host_ns = SystemClock().now_ns();
         item.as.link.change = OPMS_LINK_DISCONNECTED;
-        std::strncpy(item.as.link.message, message, sizeof item.as.link.message - 1);
+        /* A message that is longer is cut. */
+        const std::size_t size = std::min(std::strlen(message), sizeof item.as.link.message - 1);
+        std::memcpy(item.as.link.message, message, size);
         take(item);
     }
 
