@@ -269,12 +269,13 @@ double least_held(const Outcome &outcome, std::size_t fifth)
 std::string write_small_camera(const TemporaryFolder &folder)
 {
     const std::string file = folder / "small.yaml";
-    std::ofstream(file) << "image_width: 64\n"
-                           "image_height: 48\n"
-                           "camera_name: small\n"
-                           "camera_matrix: {rows: 3, cols: 3, data: [36, 0, 32, 0, 36, 24, 0, 0, 1]}\n"
-                           "distortion_model: plumb_bob\n"
-                           "distortion_coefficients: {rows: 1, cols: 5, data: [0, 0, 0, 0, 0]}\n";
+    std::ofstream(file) << R"(image_width: 64
+image_height: 48
+camera_name: small
+camera_matrix: {rows: 3, cols: 3, data: [36, 0, 32, 0, 36, 24, 0, 0, 1]}
+distortion_model: plumb_bob
+distortion_coefficients: {rows: 1, cols: 5, data: [0, 0, 0, 0, 0]}
+)";
     return file;
 }
 
