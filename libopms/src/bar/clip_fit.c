@@ -173,6 +173,11 @@ void clip_take(edge_scene_t *scene, const double change[CLIP_UNKNOWNS])
     scene->still_px = fmin(least, fmax(lowest, scene->still_px));
 }
 
+int clip_at_bound(const edge_scene_t *scene)
+{
+    return scene->clip <= CLIP_LEAST;
+}
+
 /** Mean gradient of the offsets of either family by the unknowns, and their weight. */
 static void mean_rows(const bar_fit_t *fit, double row[2][CLIP_UNKNOWNS], double weight[2])
 {

@@ -26,6 +26,10 @@ void clip_know(const edge_scene_t *scene, const bar_fit_t *fit, double *normal, 
 /** Take over what was solved for. */
 void clip_take(edge_scene_t *scene, const double change[CLIP_UNKNOWNS]);
 
+/** Has so little been left of white that the fit ended at the least that it allows? Its shape, and
+ * with it the edges' places, are then a guess. */
+int clip_at_bound(const edge_scene_t *scene);
+
 /** Let the common shift stand for what the unknowns may still be wrong by together: the pattern of
  * offsets that they are the least certain of. */
 void clip_gains(const edge_scene_t *scene, bar_fit_t *fit);

@@ -394,5 +394,6 @@ map_verdict_t map_refine(edge_scene_t *scene, int first, int last, float contras
         clip_gains(scene, fit);
     }
     correlation_state(scene, fit);
-    return result.blurred_px >= UNSHAPED ? MAP_UNSURE : MAP_FIRM;
+    const int unsure = result.blurred_px >= UNSHAPED || clip_at_bound(scene);
+    return unsure ? MAP_UNSURE : MAP_FIRM;
 }
