@@ -7,7 +7,6 @@
 #include "bar/bar_code.h"
 #include "bar/bar_settle.h"
 #include "bar/chain.h"
-#include "bar/labels.h"
 #include "bar/line_search.h"
 
 /* A first square is sought on a few short lines around the middle of the bar as the hint has it.
@@ -31,7 +30,6 @@
 #define AREA_MOST 1.7
 #define FOUND_LEAST 3
 #define SPAN_LEAST 4      /* from the first square found to the last */
-#define READ_MOST 8       /* squares whose codes are read before the edges are measured */
 
 /** How far a square lies from where the hint has it, in the bar's plane. */
 typedef struct found_square {
@@ -338,22 +336,6 @@ static int find_row(follower_t *f, bar_start_t *start)
            chain_fit_far(&row, &d->local_lens, d->ray_limit, &start->map, &start->shift_px);
 }
 
-/** Do the codes say that the squares are those of the hint? Reads a few, spread over the bar. */
-static int labels_hold(const opms_bar_detector_t *d, const bar_start_t *start)
-{
-    const int span = start->last - start->first;
-    const int count = span + 1 < READ_MOST ? span + 1 : READ_MOST;
-    chain_t chain = {.count = 0};
-    for (int i = 0; i < count; ++i) {
-        chain.square[chain.count++].place =
-            start->first + i * span / (count - 1) - OPMS_BAR_ORIGIN;
-    }
-    labels_t labels = {0, 0, 0};
-    return labels_decide(&d->view, &chain, &start->map, &d->local_lens, d->ray_limit, &labels) ==
-               LABELS_CERTAIN &&
-           !labels.turn && labels.offset == OPMS_BAR_ORIGIN;
-}
-
 /** Range of the squares that the map has in the picture; returns how many these are. */
 static int see_squares(const opms_bar_detector_t *d, bar_start_t *start)
 {
@@ -384,7 +366,7 @@ int follow_hint(opms_bar_detector_t *d, const opms_transform_t *hint, int least_
     const int seen = see_squares(d, &start);
     /* What hides more than half of the bar is a reason to search for it. */
     start.squares_least = seen / 2;
-    if (seen < FOUND_LEAST || !labels_hold(d, &start) ||
+    if (seen < FOUND_LEAST ||
         bar_settle(d, &start, f.contrast, roi, summary) != OPMS_BAR_LOCATED) {
         d->settled = 0;
         return 0;
