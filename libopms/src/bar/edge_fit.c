@@ -14,11 +14,13 @@
  * which black level, contrast and a small displacement are solved for by linear least squares. */
 
 #define LINES_A_STRETCH 4         /* as many as are summed up at once */
+#define LINES_A_STRETCH_MOST 8    /* where the side has PARTS_ENOUGH of these */
+#define PARTS_ENOUGH 4
 #define LINES_A_STRETCH_CLIPPED 5
 #define LINES_ENOUGH 16   /* across a side, for some of them to be left out while scouting */
 #define INSIDE_BLURS                                                                               \
-    4.2 /* reach of the pixels that take part, in standard deviations of the blur */
-#define OUTSIDE_BLURS 3.2
+    3.0 /* reach of the pixels that take part, in standard deviations of the blur */
+#define OUTSIDE_BLURS 2.7
 #define GROUND_BLURS 1.4
 #define CUT_NOISE_LEAST 0.002
 
@@ -245,14 +247,18 @@ static void place_stretch(const side_curve_t *curve, int square, int side, doubl
     out->px_per_mm = (float)curve->px_per_mm;
 }
 
-/** How many stretches the side is measured in. */
+/** How many stretches the side is measured in: enough to lose little of it to a blade of grass. */
 static int parts_of(const side_look_t *look)
 {
-    const int most = OPMS_BAR_EDGES_PER_SIDE;
-    const int parts = look->scene->clip < 1
-        ? (look->count + LINES_A_STRETCH_CLIPPED / 2) / LINES_A_STRETCH_CLIPPED
-        : (look->count + LINES_A_STRETCH - 1) / LINES_A_STRETCH;
-    return parts < 1 ? 1 : parts > most ? most : parts;
+    const int most = OPMS_BAR_EDGES_PER_SIDE, count = look->count;
+    if (look->scene->clip < 1) {
+        const int parts = (count + LINES_A_STRETCH_CLIPPED / 2) / LINES_A_STRETCH_CLIPPED;
+        return parts < 1 ? 1 : parts > most ? most : parts;
+    }
+    const int short_ones = (count + LINES_A_STRETCH - 1) / LINES_A_STRETCH;
+    const int long_ones = (count + LINES_A_STRETCH_MOST - 1) / LINES_A_STRETCH_MOST;
+    const int parts = short_ones < PARTS_ENOUGH ? short_ones : PARTS_ENOUGH;
+    return parts > long_ones ? parts : long_ones > most ? most : long_ones;
 }
 
 /** Stretches `part` and the one behind it; returns how many have an edge. */
