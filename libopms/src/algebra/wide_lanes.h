@@ -40,6 +40,15 @@ WIDE_INLINE void wide_store(float *to, wide_t v)
     memcpy(to, &v, sizeof v);
 }
 
+/** Eight whole numbers from 0 to 65535. */
+WIDE_INLINE wide_t wide_load_short(const uint16_t *from)
+{
+    typedef uint16_t wide_short_t __attribute__((vector_size(WIDE * sizeof(uint16_t))));
+    wide_short_t v;
+    memcpy(&v, from, sizeof v);
+    return __builtin_convertvector(__builtin_convertvector(v, wide_int_t), wide_t);
+}
+
 /** Set where a is less than b. */
 WIDE_INLINE wide_int_t wide_less(wide_t a, wide_t b)
 {

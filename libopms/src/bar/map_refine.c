@@ -7,6 +7,7 @@
 #include "bar/bar_code.h"
 #include "bar/clip_fit.h"
 #include "bar/correlation.h"
+#include "bar/fetch_square.h"
 #include "bar/map_fit.h"
 #include "algebra/median.h"
 #include "bar/picture_shape.h"
@@ -59,6 +60,9 @@ static void measure(const edge_scene_t *scene, const int *index, int count, bar_
 {
     fit->count = 0;
     for (int i = 0; i < count; ++i) {
+        if (i + 1 < count) {
+            fetch_square(scene, index[i + 1]);
+        }
         const int n = fit->count;
         const stretch_place_t next = {&fit->stretch[n], &fit->sums[n], &fit->clip[n]};
         fit->count += edge_fit_square(scene, index[i], &fit->levels, &next);

@@ -197,13 +197,9 @@ WIDE_INLINE void sum_lines(const side_model_t *model, const stretch_parts_t *par
 {
     const wide_t nearly_white = wide_of(model->white_level - 0.5f);
     for (int rank = 0; rank < lines->ranks; ++rank) {
-        float grey[WIDE];
-        for (int lane = 0; lane < WIDE; ++lane) {
-            grey[lane] = (float)lines->grey[rank][lane];
-        }
         const float n = (float)rank;
         const wide_int_t used = wide_less(wide_of(n), lines->count);
-        const wide_t s = lines->s + n * lines->s_step, i = wide_load(grey);
+        const wide_t s = lines->s + n * lines->s_step, i = wide_load_short(lines->grey[rank]);
         const float s_high = lines->s_high + n * lines->s_step;
         const normal_wide_t edge = edge_wide_blurred(&model->blur, s);
         coverage_t of = {edge.step, edge.pulse, wide_of(0.f)};
