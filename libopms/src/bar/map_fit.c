@@ -133,9 +133,17 @@ WIDE_INLINE void sum_normal_of(const fit_columns_t *columns, float scale, double
     }
 }
 
+WIDE_AVX2 static void sum_normal_avx2(const fit_columns_t *columns, float scale, double *normal,
+                                      double *rhs)
+{
+    sum_normal_of(columns, scale, normal, rhs, USUAL_UNKNOWNS);
+}
+
 static void sum_normal(const bar_fit_t *fit, float scale, double *normal, double *rhs)
 {
-    if (fit->unknowns == USUAL_UNKNOWNS) {
+    if (fit->unknowns == USUAL_UNKNOWNS && wide_has_avx2()) {
+        sum_normal_avx2(&fit->columns, scale, normal, rhs);
+    } else if (fit->unknowns == USUAL_UNKNOWNS) {
         sum_normal_of(&fit->columns, scale, normal, rhs, USUAL_UNKNOWNS);
     } else {
         sum_normal_of(&fit->columns, scale, normal, rhs, fit->unknowns);

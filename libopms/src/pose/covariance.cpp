@@ -28,8 +28,8 @@ double smooth_step(double x)
 
 /* n . d(u, v)/d(intrinsics) / sigma at the rays (x, y). An edge keeps m = J^T n / sigma; n / sigma
  * follows from it, J being that of lens_bend(). */
-void intrinsics_row(const opms_lens_t &lens, const Four &x, const Four &y, const Four &mx,
-                    const Four &my, Four row[8])
+WIDE_INLINE void intrinsics_row(const opms_lens_t &lens, const Four &x, const Four &y,
+                                const Four &mx, const Four &my, Four row[8])
 {
     const Four r2 = x * x + y * y;
     const Four gain = 1.0 + r2 * (lens.k1 + r2 * lens.k2) + 2.0 * (lens.p1 * y + lens.p2 * x);
@@ -49,6 +49,45 @@ void intrinsics_row(const opms_lens_t &lens, const Four &x, const Four &y, const
     row[5] = radial * r2;
     row[6] = 2.0 * ax * x * y + ay * (r2 + 2.0 * y * y);
     row[7] = ax * (r2 + 2.0 * x * x) + 2.0 * ay * x * y;
+}
+
+using IntrinsicsSums = double[7][8];
+
+/* Sums of psi'+ J n . d(u, v)/dk over the edges. */
+WIDE_INLINE void sum_intrinsics(const EdgeSet &set, const opms_lens_t &lens,
+                                const EdgeFrame &frame, double scale, IntrinsicsSums &out)
+{
+    Four sums[7][8];
+    for (auto &line : sums) {
+        for (Four &sum : line) {
+            sum = Four{};
+        }
+    }
+    for (uint32_t i = 0; i < set.count; i += WIDE_DOUBLES) {
+        const EdgeFour edge(set, i, set.count, frame);
+        Four by_lens[8];
+        intrinsics_row(lens, edge.x, edge.y, edge.mx, edge.my, by_lens);
+        Four row[7];
+        edge.gradient(row);
+        const Four curvature = edge.curvature(scale);
+        for (int a = 0; a < 7; ++a) {
+            const Four weighted = curvature * row[a];
+            for (int b = 0; b < 8; ++b) {
+                sums[a][b] += weighted * by_lens[b];
+            }
+        }
+    }
+    for (int a = 0; a < 7; ++a) {
+        for (int b = 0; b < 8; ++b) {
+            out[a][b] = wide_double_sum(sums[a][b]);
+        }
+    }
+}
+
+WIDE_AVX2 void sum_intrinsics_avx2(const EdgeSet &set, const opms_lens_t &lens,
+                                   const EdgeFrame &frame, double scale, IntrinsicsSums &out)
+{
+    sum_intrinsics(set, lens, frame, scale, out);
 }
 
 } // namespace
@@ -112,34 +151,14 @@ Mat68 fit_by_intrinsics(const EdgeSet &set, const opms_lens_t &lens, const Fit &
 {
     // Where an intrinsic k grows, the residual falls by n . d(u, v)/dk; so
     // D step = sum psi'+ J n . d(u, v)/dk.
-    Four sums[7][8];
-    for (auto &line : sums) {
-        for (Four &sum : line) {
-            sum = Four{};
-        }
-    }
+    IntrinsicsSums sums;
     const EdgeFrame frame(fit.placement);
-    for (uint32_t i = 0; i < set.count; i += WIDE_DOUBLES) {
-        const EdgeFour edge(set, i, set.count, frame);
-        Four by_lens[8];
-        intrinsics_row(lens, edge.x, edge.y, edge.mx, edge.my, by_lens);
-        Four row[7];
-        edge.gradient(row);
-        const Four curvature = edge.curvature(fit.scale);
-        for (int a = 0; a < 7; ++a) {
-            const Four weighted = curvature * row[a];
-            for (int b = 0; b < 8; ++b) {
-                sums[a][b] += weighted * by_lens[b];
-            }
-        }
+    if (wide_has_avx2()) {
+        sum_intrinsics_avx2(set, lens, frame, fit.scale, sums);
+    } else {
+        sum_intrinsics(set, lens, frame, fit.scale, sums);
     }
-    Mat78 moved;
-    for (int a = 0; a < 7; ++a) {
-        for (int b = 0; b < 8; ++b) {
-            moved(a, b) = wide_double_sum(sums[a][b]);
-        }
-    }
-    const Mat78 step = inverse * moved;
+    const Mat78 step = inverse * Eigen::Map<RowMajor<7, 8>>(&sums[0][0]);
     Mat68 result;
     result.topRows<3>() = step.topRows<3>();
     result.bottomRows<3>() = fit.placement.R * step.middleRows<3>(3);

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "algebra/median.h"
 #include "algebra/spd.h"
 #include "pose/edge_four.h"
 
@@ -81,13 +82,13 @@ void residuals(const EdgeSet &set, uint32_t n, const Placement &placement, doubl
 
 double robust_scale(const double *z, uint32_t n)
 {
-    double size[128];
+    float size[128];
     const uint32_t some = std::min<uint32_t>(n, 128);
     for (uint32_t i = 0; i < some; ++i) {
-        size[i] = std::isfinite(z[i]) ? std::fabs(z[i]) : 1e300;
+        const double most = 1e30; // what is no number is not less either
+        size[i] = static_cast<float>(std::fabs(z[i]) < most ? std::fabs(z[i]) : most);
     }
-    std::nth_element(size, size + some / 2, size + some);
-    return 1.4826 * size[some / 2];
+    return 1.4826 * static_cast<double>(median_of(size, static_cast<int>(some)));
 }
 
 namespace
