@@ -77,6 +77,7 @@ static side_model_t plain_edge(double sigma, float white_level)
     model.along_scale = 1.f;
     model.clip = 1.f;
     model.white_level = white_level;
+    model.cut_level = 0.9f * white_level;
     return model;
 }
 

@@ -47,7 +47,7 @@ opms_bar_state_t bar_settle(opms_bar_detector_t *d, const bar_start_t *start, fl
 {
     edge_scene_t scene = {&d->view, &d->local_lens, d->ray_limit, start->map, start->shift_px,
                           {1, 1}, {BLUR_START_PX, BLUR_START_PX}, {0, 0}, BLUR_START_PX, 0, 0, 1,
-                          0, d->kernel, 1};
+                          0, (double)d->view.white_level, d->kernel, 1};
     const map_verdict_t refined = map_refine(&scene, start->first, start->last, contrast, &d->fit);
     if (refined != MAP_FIRM) {
         d->settled = refined == MAP_UNSURE;

@@ -144,6 +144,7 @@ static void model_of(const edge_scene_t *scene, int square, side_look_t *look)
     model->ground = (float)look->window.ground;
     model->clip = (float)scene->clip;
     model->white_level = (float)scene->view->white_level;
+    model->cut_level = (float)scene->cut_level;
     if (clipped) {
         add_clipped(scene, look->side, curve, sigma_along, along_px, model);
     }

@@ -24,8 +24,9 @@ typedef struct edge_scene {
     double still_px;   /**< what of the blur does not come from motion */
     double cross_px2;  /**< covariance of the motion along X and along Y, px, at blur_scale */
     int still;         /**< the picture is known not to have moved: one blur for all sides */
-    double clip;       /**< part of the true contrast at which white saturates, 1 if it does not */
+    double clip;       /**< part of the true contrast at which white is cut, 1 if it is not */
     double cut_noise;  /**< of grey levels, over the contrast that saturation leaves */
+    double cut_level;  /**< lighter pixels are cut at this grey level, at most that of saturation */
     const struct stretch_kernel *kernel;
     int line_step;     /**< every so many lines of pixels across a side are looked at */
 } edge_scene_t;

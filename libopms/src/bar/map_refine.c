@@ -34,6 +34,8 @@
 #define LINEAR_BLUR 0.01f
 #define BORDER_REACH_PX 40.0 /* a square's middle may lie this far outside and a side be seen */
 #define GOOD_LEAST 12
+#define ROUNDING 0.08f      /* 1 / 12 */
+#define CUT_LOWER 0.75      /* of the contrast that saturation left */
 #define LEVEL_SCATTER_LEAST 0.12f /* of black and white over the picture, in noises */
 #define SATURATED_LEAST 0.05 /* part of the pixels next to the sides that makes white saturated */
 
@@ -69,6 +71,14 @@ static void measure(const edge_scene_t *scene, const int *index, int count, bar_
     }
 }
 
+/** The mean of variances of so many pixels each, whose median is below it: chi-square is skewed
+ * (Wilson and Hilferty 1931). At least what rounding to whole grey levels makes. */
+static float mean_of_median(float median, float pixels)
+{
+    const float root = 1.f - 2.f / (9.f * pixels);
+    return median / (root * root * root) + ROUNDING;
+}
+
 /** Mark the stretches that look like this bar's sides; returns how many. */
 static int select_good(bar_fit_t *fit, float contrast_least, float offset_most,
                        const edge_scene_t *scene)
@@ -88,19 +98,21 @@ static int select_good(bar_fit_t *fit, float contrast_least, float offset_most,
     }
     fit->contrast = median_of(scratch, n);
     n = 0;
+    float pixels = 0;
     for (int i = 0; i < fit->count; ++i) {
         const stretch_t *s = &fit->stretch[i];
         fit->good[i] = fit->good[i] && s->contrast > 0.3f * fit->contrast &&
                        s->contrast < 3.f * fit->contrast &&
                        fabsf(s->offset_px - map_expected_shift(scene, s)) < offset_most;
         if (fit->good[i]) {
+            pixels += (float)s->pixels;
             scratch[n++] = s->variance;
         }
     }
     if (n < GOOD_LEAST) {
         return 0;
     }
-    const float variance = median_of(scratch, n) + 0.08f; /* quantisation at the least */
+    const float variance = mean_of_median(median_of(scratch, n), pixels / (float)n);
     fit->noise = sqrtf(variance);
     n = 0;
     for (int i = 0; i < fit->count; ++i) {
@@ -360,6 +372,21 @@ static int scout_clipped(edge_scene_t *scene, float contrast, bar_fit_t *fit,
     return found;
 }
 
+/** Cut profiles lower than saturation did: resampling, uneven motion and stray light in the lens
+ * round the corner at which the camera cut them, as none of the model's shapes has it. */
+static void cut_lower(edge_scene_t *scene, bar_fit_t *fit)
+{
+    int n = 0;
+    for (int i = 0; i < fit->count; ++i) {
+        if (fit->good[i]) {
+            fit->residual[n++] = fit->stretch[i].black;
+        }
+    }
+    const double black = n > 0 ? (double)median_of(fit->residual, n) : 0;
+    scene->cut_level = black + CUT_LOWER * (scene->cut_level - black);
+    scene->clip *= CUT_LOWER;
+}
+
 /** Is no further pass needed? Offsets of a picture that stood still and is not saturated are right
  * to first order in what a pass finds; in others a pass builds on the last one's shape. */
 static int has_settled(const edge_scene_t *scene, const pass_result_t *result)
@@ -377,9 +404,11 @@ map_verdict_t map_refine(edge_scene_t *scene, int first, int last, float contras
     if (!scout(scene, SCOUTING_MOST, 1, contrast, fit, &scouting)) {
         return MAP_LOST;
     }
-    if (shape_saturated_part(fit) > SATURATED_LEAST &&
-        !scout_clipped(scene, contrast, fit, &scouting)) {
-        return MAP_LOST;
+    if (shape_saturated_part(fit) > SATURATED_LEAST) {
+        if (!scout_clipped(scene, contrast, fit, &scouting)) {
+            return MAP_LOST;
+        }
+        cut_lower(scene, fit);
     }
     scene->line_step = 1;
     pass_result_t result = scouting.result;

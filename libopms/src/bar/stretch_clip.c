@@ -278,7 +278,15 @@ static int solve(const double mean[COLUMNS], double xx[COLUMNS][COLUMNS], int no
     return 1;
 }
 
-/** How many pixels are as light as `white` or lighter. */
+/** Cut what is lighter than `level`. */
+WIDE_INLINE void cut_pixels(line_pixels_t *pixels, float level)
+{
+    for (int k = 0; k < pixels->count; k += WIDE) {
+        wide_store(&pixels->grey[k], wide_min(wide_load(&pixels->grey[k]), wide_of(level)));
+    }
+}
+
+/** How many pixels are lighter than `white`. */
 WIDE_INLINE int saturated_pixels(const line_pixels_t *pixels, float white)
 {
     wide_int_t count = {0};
@@ -294,6 +302,8 @@ WIDE_INLINE int fit_stretch(const side_model_t *model, const fit_lines_t *lines,
     line_pixels_t pixels;
     line_pixels_gather(&pixels, lines);
     const int saturated = saturated_pixels(&pixels, model->white_level - 0.5f);
+    const int cut = saturated_pixels(&pixels, model->cut_level - 0.5f);
+    cut_pixels(&pixels, model->cut_level);
     memset(shape, 0, sizeof *shape);
     out->clipped = 1;
     out->ground = out->cells = 0;
@@ -304,7 +314,7 @@ WIDE_INLINE int fit_stretch(const side_model_t *model, const fit_lines_t *lines,
     }
     /* In the shade white may be below saturation. */
     const float clip =
-        (float)saturated > SATURATED_PART * (float)pixels.count ? model->clip : 2.f;
+        (float)cut > SATURATED_PART * (float)pixels.count ? model->clip : 2.f;
     clip_columns_t columns;
     model_pixels(model, clip, &pixels, &columns);
     double mean[COLUMNS], xx[COLUMNS][COLUMNS];

@@ -32,6 +32,7 @@ typedef struct side_model {
     float ground;          /**< distance of the bar's border, px; 0 where it is out of reach */
     float clip; /**< part of the contrast at which white saturates, 1 where it does not */
     float white_level;     /**< grey level of a saturated pixel */
+    float cut_level;       /**< lighter pixels are cut at this grey level where `clip` is below 1 */
 } side_model_t;
 
 /** One line of pixels across a side. Both coordinates of the side run along it, since a line of the
