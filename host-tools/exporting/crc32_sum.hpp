@@ -13,10 +13,10 @@ namespace opms_host {
 class Crc32Sum {
 public:
     void add(const void *bytes, std::size_t size);
-    std::uint32_t value() const { return ~state_; }
+    std::uint32_t value() const { return sum_; }
 
 private:
-    std::uint32_t state_ = 0xFFFFFFFFU;
+    std::uint32_t sum_ = 0;
 };
 
 }  // namespace opms_host
