@@ -60,7 +60,7 @@ typedef struct opms_bar_summary {
     /** Standard deviation of the blur across the sides along Y [0] and along X [1], with motion. */
     double blur_px[2];
     double noise;         /**< standard deviation of the grey levels about the edge model */
-    double contrast;      /**< median grey levels from black to white */
+    double contrast;      /**< median grey levels from black to white, or to saturation */
     double white_fraction_saturated; /**< part of the white beside the squares that is saturated */
 } opms_bar_summary_t;
 

@@ -425,6 +425,7 @@ map_verdict_t map_refine(edge_scene_t *scene, int first, int last, float contras
     }
     if (scene->clip < 1) {
         clip_gains(scene, fit);
+        fit->contrast /= (float)CUT_LOWER; /* up to saturation again, for the report */
     }
     correlation_state(scene, fit);
     const int unsure = result.blurred_px >= UNSHAPED || clip_at_bound(scene);
