@@ -7,6 +7,7 @@ whether it opens, whether no more than a second is lost, and whether what is the
 Ends with 1 and the seed of each failure if there was any. The judge is scan_check.py."""
 import argparse
 import json
+import os
 import random
 import shutil
 import signal
@@ -26,6 +27,11 @@ EDGES = 60
 RATE_HZ = 60
 
 
+# A sanitizer that looks for leaks at the end does not take a kill in silence.
+WRITER_ENVIRONMENT = {**os.environ,
+                      "ASAN_OPTIONS": os.environ.get("ASAN_OPTIONS", "") + ":detect_leaks=0"}
+
+
 class Writer:
     """A scan_writer and what it has said so far."""
 
@@ -35,7 +41,8 @@ class Writer:
         self.process = subprocess.Popen(
             [program, "record", folder, "scan", "100000", str(RATE_HZ), str(EDGES),
              str(commit_ms)],
-            stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+            env=WRITER_ENVIRONMENT, stdin=subprocess.PIPE, stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE, text=True)
         self.reader = threading.Thread(target=self.listen)
         self.reader.start()
 
