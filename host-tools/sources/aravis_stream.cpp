@@ -186,7 +186,10 @@ std::shared_ptr<Frame> AravisStream::frame_of(ArvBuffer *buffer, bool damaged)
     frame->frame_id = arv_buffer_get_frame_id(buffer);
     frame->camera_time_ticks = damaged ? 0 : arv_buffer_get_timestamp(buffer);
     const std::uint32_t id_bits = traits_.profile.frame_id_bits;
-    if (id_bits < 64 && frame->frame_id >> id_bits != 0) {
+    /* Where the packet that brings the id got lost, the buffer has 0. */
+    const bool has_none =
+        frame->frame_id == 0 && (damaged || traits_.profile.frame_id_skips_0 != 0);
+    if (has_none || (id_bits < 64 && frame->frame_id >> id_bits != 0)) {
         frame->flags |= OPMS_FRAME_NO_ID;
     }
     if (!traits_.profile.has_camera_time) {

@@ -68,6 +68,7 @@ class Load(unittest.TestCase):
         with Bench("--stall-ms", 60000) as bench:
             slow = RawSocket(bench.port, TOKEN, "/api/v1/stream?kinds=pose&squares=1",
                              receive_bytes=4096)
+            slow.receive_schema("opms.hello/1")  # from here on it is told of all
             self.assertEqual(bench.ask("pose 2000"), "published 2000")
             eventually(lambda: bench.call("GET", "/api/v1/pose")[2].get("picture") == 2000,
                        "the last")
