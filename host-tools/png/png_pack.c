@@ -1,12 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "png_pack.h"
 
-#include <setjmp.h>
-#include <stdint.h>
-#include <string.h>
-
-#include <png.h>
 #include <zlib.h>
+
+#include "png_common.h"
 
 struct outlet {
     png_sink_fn *sink;
@@ -26,29 +23,6 @@ static void flush_nothing(png_structp png)
     (void)png;
 }
 
-/* The caller says what is wrong; libpng would write to stderr. */
-static void end_packing(png_structp png, png_const_charp message)
-{
-    (void)message;
-    png_longjmp(png, 1);
-}
-
-static void warn_nobody(png_structp png, png_const_charp message)
-{
-    (void)png;
-    (void)message;
-}
-
-static void swap_where_low_is_first(png_structp png)
-{
-    const uint16_t one = 1;
-    unsigned char first;
-    memcpy(&first, &one, 1);
-    if (first == 1) {
-        png_set_swap(png);
-    }
-}
-
 static void write_header(png_structp png, png_infop info, const struct png_layout *layout)
 {
     const int colour = layout->channels == 1   ? PNG_COLOR_TYPE_GRAY
@@ -60,11 +34,11 @@ static void write_header(png_structp png, png_infop info, const struct png_layou
     png_write_info(png, info);
     png_set_bgr(png); /* does nothing to grey */
     if (layout->is_16_bit) {
-        swap_where_low_is_first(png);
+        png_use_own_order(png);
     }
 }
 
-/** All that may end in end_packing(): it holds nothing that would have to be released. */
+/** All that may end in png_give_up(): it holds nothing that would have to be released. */
 static bool pack(png_structp png, png_infop info, const struct png_pixels *pixels, int level)
 {
     if (setjmp(png_jmpbuf(png)) != 0) {
@@ -83,8 +57,8 @@ static bool pack(png_structp png, png_infop info, const struct png_pixels *pixel
 bool png_pack(const struct png_pixels *pixels, int level, png_sink_fn *sink, void *context)
 {
     struct outlet outlet = {sink, context};
-    png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, NULL, end_packing,
-                                              warn_nobody);
+    png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, NULL, png_give_up,
+                                              png_stay_silent);
     if (!png) {
         return false;
     }

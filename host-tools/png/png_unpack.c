@@ -1,10 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "png_unpack.h"
 
-#include <setjmp.h>
 #include <string.h>
 
-#include <png.h>
+#include "png_common.h"
 
 /** The part of the file that has not been read. */
 struct unread {
@@ -21,27 +20,6 @@ static void read_bytes(png_structp png, png_bytep to, size_t size)
     memcpy(to, unread->bytes, size);
     unread->bytes += size;
     unread->size -= size;
-}
-
-/* The caller says what is wrong; libpng would write to stderr. */
-static void give_up(png_structp png, png_const_charp message)
-{
-    (void)message;
-    png_longjmp(png, 1);
-}
-
-static void stay_silent(png_structp png, png_const_charp message)
-{
-    (void)png;
-    (void)message;
-}
-
-static bool is_little_endian(void)
-{
-    const uint16_t one = 1;
-    unsigned char first;
-    memcpy(&first, &one, 1);
-    return first == 1;
 }
 
 static struct png_layout layout_of(png_structp png, png_infop info)
@@ -61,8 +39,8 @@ static struct png_layout layout_of(png_structp png, png_infop info)
 /** Ask for pixels as @p layout says. */
 static void transform(png_structp png, png_infop info, const struct png_layout *layout)
 {
-    if (layout->is_16_bit && is_little_endian()) {
-        png_set_swap(png);
+    if (layout->is_16_bit) {
+        png_use_own_order(png);
     }
     if (layout->channels == 1) {
         png_set_expand_gray_1_2_4_to_8(png);
@@ -95,7 +73,7 @@ static void read_rows(png_structp png, png_infop info, const struct png_layout *
     }
 }
 
-/** All that may end in give_up(): it holds nothing that would have to be released. */
+/** All that may end in png_give_up(): it holds nothing that would have to be released. */
 static bool unpack(png_structp png, png_infop info, png_infop end, png_room_fn *room,
                    void *context)
 {
@@ -117,7 +95,8 @@ static bool unpack(png_structp png, png_infop info, png_infop end, png_room_fn *
 bool png_unpack(const unsigned char *bytes, size_t size, png_room_fn *room, void *context)
 {
     struct unread unread = {bytes, size};
-    png_structp png = png_create_read_struct(PNG_LIBPNG_VER_STRING, NULL, give_up, stay_silent);
+    png_structp png = png_create_read_struct(PNG_LIBPNG_VER_STRING, NULL, png_give_up,
+                                            png_stay_silent);
     if (!png) {
         return false;
     }
