@@ -252,14 +252,16 @@ static void place_stretch(const side_curve_t *curve, int square, int side, doubl
 static int parts_of(const side_look_t *look)
 {
     const int most = OPMS_BAR_EDGES_PER_SIDE, count = look->count;
+    int parts;
     if (look->scene->clip < 1) {
-        const int parts = (count + LINES_A_STRETCH_CLIPPED / 2) / LINES_A_STRETCH_CLIPPED;
-        return parts < 1 ? 1 : parts > most ? most : parts;
+        parts = (count + LINES_A_STRETCH_CLIPPED / 2) / LINES_A_STRETCH_CLIPPED;
+    } else {
+        const int short_ones = (count + LINES_A_STRETCH - 1) / LINES_A_STRETCH;
+        const int long_ones = (count + LINES_A_STRETCH_MOST - 1) / LINES_A_STRETCH_MOST;
+        const int enough = short_ones < PARTS_ENOUGH ? short_ones : PARTS_ENOUGH;
+        parts = enough > long_ones ? enough : long_ones;
     }
-    const int short_ones = (count + LINES_A_STRETCH - 1) / LINES_A_STRETCH;
-    const int long_ones = (count + LINES_A_STRETCH_MOST - 1) / LINES_A_STRETCH_MOST;
-    const int parts = short_ones < PARTS_ENOUGH ? short_ones : PARTS_ENOUGH;
-    return parts > long_ones ? parts : long_ones > most ? most : long_ones;
+    return parts < 1 ? 1 : parts > most ? most : parts;
 }
 
 /** Stretches `part` and the one behind it; returns how many have an edge. */

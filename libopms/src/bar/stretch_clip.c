@@ -286,12 +286,12 @@ WIDE_INLINE void cut_pixels(line_pixels_t *pixels, float level)
     }
 }
 
-/** How many pixels are lighter than `white`. */
-WIDE_INLINE int saturated_pixels(const line_pixels_t *pixels, float white)
+/** How many pixels are lighter than `level`. */
+WIDE_INLINE int lighter_pixels(const line_pixels_t *pixels, float level)
 {
     wide_int_t count = {0};
     for (int k = 0; k < pixels->count; k += WIDE) {
-        count += wide_less(wide_of(white), wide_load(&pixels->grey[k]));
+        count += wide_less(wide_of(level), wide_load(&pixels->grey[k]));
     }
     return wide_count(count);
 }
@@ -301,8 +301,8 @@ WIDE_INLINE int fit_stretch(const side_model_t *model, const fit_lines_t *lines,
 {
     line_pixels_t pixels;
     line_pixels_gather(&pixels, lines);
-    const int saturated = saturated_pixels(&pixels, model->white_level - 0.5f);
-    const int cut = saturated_pixels(&pixels, model->cut_level - 0.5f);
+    const int saturated = lighter_pixels(&pixels, model->white_level - 0.5f);
+    const int cut = lighter_pixels(&pixels, model->cut_level - 0.5f);
     cut_pixels(&pixels, model->cut_level);
     memset(shape, 0, sizeof *shape);
     out->clipped = 1;
