@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* libgpiod, unmodified, against a mocked chip; built once for each of its APIs. `opms siggen` runs
  * in this very process, because the mocked kernel hands out files of it. */
+#include <cstdio>
 #include <ctime>
-#include <fstream>
-#include <sstream>
 #include <string>
 #include <vector>
 
@@ -46,7 +45,19 @@ struct Outcome {
     nlohmann::json json() const { return nlohmann::json::parse(out); }
 };
 
-/** Run the command with its standard output in a file. */
+/** Whatever was written to a file, from its beginning. */
+static std::string contents(std::FILE *file)
+{
+    std::string text;
+    std::rewind(file);
+    for (int c = std::fgetc(file); c != EOF; c = std::fgetc(file)) {
+        text += static_cast<char>(c);
+    }
+    return text;
+}
+
+/** Run the command with its standard output in a file without a name: this program is built for
+ * each API, and both may run at the same time in one folder. */
 static Outcome siggen(std::vector<std::string> arguments)
 {
     Outcome outcome;
@@ -57,17 +68,15 @@ static Outcome siggen(std::vector<std::string> arguments)
 
     std::fflush(stdout);
     const int own = dup(STDOUT_FILENO);
-    std::FILE *const file = std::fopen("siggen_stdout.txt", "w");
+    std::FILE *const file = std::tmpfile();
+    TEST_ASSERT_NOT_NULL_MESSAGE(file, "no temporary file");
     dup2(fileno(file), STDOUT_FILENO);
     app.parse(reversed);
     std::fflush(stdout);
     dup2(own, STDOUT_FILENO);
-    std::fclose(file);
     close(own);
-
-    std::ostringstream text;
-    text << std::ifstream("siggen_stdout.txt").rdbuf();
-    outcome.out = text.str();
+    outcome.out = contents(file);
+    std::fclose(file);
     return outcome;
 }
 
