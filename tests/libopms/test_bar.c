@@ -219,6 +219,39 @@ static void a_covered_square_does_not_stop_the_row(void)
     TEST_ASSERT_FALSE(was_found(16));
 }
 
+/** Move what lies around a square's sides along X down by `px`, as a blade of grass on each of them
+ * may seem to. */
+static void displace_ends(int square, double px)
+{
+    double low[2], high[2];
+    bar_scene_corner(&scene, square, 1, low); /* +X is to the left */
+    bar_scene_corner(&scene, square, 3, high);
+    for (int v = (int)high[1] + 5; v > (int)low[1] - 5; --v) {
+        for (int u = (int)low[0] - 2; u < (int)high[0] + 3; ++u) {
+            uint8_t *const at = &picture[v * BAR_SCENE_WIDTH + u];
+            *at = (uint8_t)((1 - px) * at[0] + px * at[-BAR_SCENE_WIDTH] + 0.5);
+        }
+    }
+}
+
+static void a_square_is_found_though_two_sides_are_no_good_to_measure_by(void)
+{
+    bar_render8(&scene, picture);
+    displace_ends(16, 0.35);
+
+    detect_in(NULL, NULL);
+
+    uint32_t count;
+    const opms_edge_t *const edges = opms_bar_edges(detector, &count);
+    unsigned sides = 0;
+    for (uint32_t i = 0; i < count; ++i) {
+        sides |= edges[i].square == 16 ? 1u << edges[i].side : 0;
+    }
+    TEST_ASSERT_EQUAL_HEX(0x5, sides);
+    assert_located(0, 32);
+    TEST_ASSERT_TRUE(was_found(16));
+}
+
 static void a_bar_that_the_border_cuts_is_located(void)
 {
     bar_scene_roll(&scene, 0.6);
@@ -425,6 +458,7 @@ int main(void)
     RUN_TEST(the_summary_tells_blur_contrast_and_noise);
     RUN_TEST(three_squares_are_enough_and_two_are_not);
     RUN_TEST(a_covered_square_does_not_stop_the_row);
+    RUN_TEST(a_square_is_found_though_two_sides_are_no_good_to_measure_by);
     RUN_TEST(a_bar_that_the_border_cuts_is_located);
     RUN_TEST(twelve_bits_and_a_stride_give_the_same);
     RUN_TEST(a_picture_of_twelve_bits_is_located);

@@ -30,7 +30,8 @@ typedef enum opms_bar_state {
 /** One square of the bar, where the fitted bar has it. */
 typedef struct opms_square {
     int32_t index;          /**< 0 to 32; square k is centred at (0, (k-16) 30 mm, 0) */
-    uint32_t edges;         /**< measured stretches on its four sides */
+    uint32_t edges;         /**< measured stretches on its four sides, at least 1; a side along X
+                                 and one along Y are seen */
     /** Corners (u, v) in the order (-X,-Y), (+X,-Y), (+X,+Y), (-X,+Y) of the bar frame. May lie
      * outside the picture for a square that its border cuts. */
     double corners_px[4][2];

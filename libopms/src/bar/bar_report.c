@@ -32,18 +32,23 @@ static void write_edges(opms_bar_detector_t *d, const opms_roi_t *roi)
     }
 }
 
-/** Corners from the map, for each square that has edges on two sides or more. */
+/** Corners from the map, for each square with edges of which a side along X and one along Y are
+ * seen. Grass over a side may leave nothing of it to be measured by, and the square is still there:
+ * were it one only with good edges on both, a little noise would decide. */
 static void write_squares(opms_bar_detector_t *d, const edge_scene_t *scene, const opms_roi_t *roi)
 {
     unsigned sides[OPMS_BAR_SQUARES] = {0};
     uint32_t count[OPMS_BAR_SQUARES] = {0};
-    for (uint32_t i = 0; i < d->edge_count; ++i) {
-        sides[d->edges[i].square] |= 1u << d->edges[i].side;
-        ++count[d->edges[i].square];
+    for (int i = 0; i < d->fit.count; ++i) {
+        const stretch_t *s = &d->fit.stretch[i];
+        if (d->fit.seen[i] || d->fit.good[i]) {
+            sides[s->square] |= 1u << s->side;
+        }
+        count[s->square] += d->fit.good[i] != 0;
     }
     d->square_count = 0;
     for (int k = 0; k < OPMS_BAR_SQUARES; ++k) {
-        if (!(sides[k] & 5u) || !(sides[k] & 10u)) {
+        if (!(sides[k] & 5u) || !(sides[k] & 10u) || count[k] == 0) {
             continue;
         }
         opms_square_t *square = &d->squares[d->square_count];

@@ -34,6 +34,7 @@
 #define LINEAR_BLUR 0.01f
 #define BORDER_REACH_PX 40.0 /* a square's middle may lie this far outside and a side be seen */
 #define GOOD_LEAST 12
+#define SEEN_PX 0.5f         /* from where a side is expected, for it to be there at all */
 #define ROUNDING 0.08f      /* 1 / 12 */
 #define CUT_LOWER 0.75      /* of the contrast that saturation left */
 #define LEVEL_SCATTER_LEAST 0.12f /* of black and white over the picture, in noises */
@@ -101,9 +102,10 @@ static int select_good(bar_fit_t *fit, float contrast_least, float offset_most,
     float pixels = 0;
     for (int i = 0; i < fit->count; ++i) {
         const stretch_t *s = &fit->stretch[i];
+        const float off = fabsf(s->offset_px - map_expected_shift(scene, s));
         fit->good[i] = fit->good[i] && s->contrast > 0.3f * fit->contrast &&
-                       s->contrast < 3.f * fit->contrast &&
-                       fabsf(s->offset_px - map_expected_shift(scene, s)) < offset_most;
+                       s->contrast < 3.f * fit->contrast && off < offset_most;
+        fit->seen[i] = fit->good[i] && off < SEEN_PX;
         if (fit->good[i]) {
             pixels += (float)s->pixels;
             scratch[n++] = s->variance;

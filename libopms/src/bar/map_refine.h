@@ -38,6 +38,7 @@ typedef struct bar_fit {
     float residual[OPMS_BAR_EDGES_MAX]; /**< offset from the fitted map, px */
     float sigma[OPMS_BAR_EDGES_MAX];    /**< px */
     uint8_t good[OPMS_BAR_EDGES_MAX];
+    uint8_t seen[OPMS_BAR_EDGES_MAX]; /**< a side is there, if not one to be measured by */
     float shift_gain[OPMS_BAR_EDGES_MAX]; /**< by which each takes part in the common shift */
     int unknowns;                       /**< of the fit: the map's, then the picture's */
     fit_columns_t columns;
