@@ -19,10 +19,27 @@ static int partition(float *values, int from, int to, float pivot, int equal)
     return end;
 }
 
-static float middle_of(float a, float b, float c)
+static void swap(float *a, float *b)
 {
-    const float low = a < b ? a : b, high = a < b ? b : a;
-    return c < low ? low : c > high ? high : c;
+    const float kept = *a;
+    *a = *b;
+    *b = kept;
+}
+
+/** Bring the middle one of the first value, the last and one in between to the end. */
+static void choose_pivot(float *values, int from, int to)
+{
+    float *const first = &values[from], *const last = &values[to - 1];
+    float *const between = &values[from + (to - from) / 2];
+    if (*between < *first) {
+        swap(between, first);
+    }
+    if (*last < *first) {
+        swap(last, first);
+    }
+    if (*between < *last) {
+        swap(between, last);
+    }
 }
 
 static void sort_few(float *values, int from, int to)
@@ -42,14 +59,19 @@ float median_of(float *values, int count)
     const int rank = count / 2;
     int from = 0, to = count;
     while (to - from > FEW) {
-        const float pivot =
-            middle_of(values[from], values[from + (to - from) / 2], values[to - 1]);
-        const int less = partition(values, from, to, pivot, 0);
+        choose_pivot(values, from, to);
+        const float pivot = values[to - 1];
+        const int less = partition(values, from, to - 1, pivot, 0);
+        swap(&values[less], &values[to - 1]);
+        if (rank == less) {
+            return pivot;
+        }
         if (rank < less) {
             to = less;
             continue;
         }
-        const int not_more = partition(values, less, to, pivot, 1);
+        /* Where nothing is less there may be many of the same. */
+        const int not_more = less > from ? less + 1 : partition(values, from, to, pivot, 1);
         if (rank < not_more || not_more == from) {
             return pivot;
         }
