@@ -10,7 +10,7 @@
 #include "bar/edge_wide.h"
 #include "bar/labels.h"
 #include "bar/line_search.h"
-#include "bar/plane_map.h"
+#include "bar/plane_map_wide.h"
 #include "bar/quad.h"
 #include "bar/search_plan.h"
 #include "bar/stretch_fit.h"
@@ -192,18 +192,22 @@ static void the_gradient_of_a_map_is_its_slope(void)
 {
     const bar_scene_t scene = bar_scene();
     plane_map_t map = true_map(&scene, 14, 0);
-    double px[2], grad[16];
-    plane_map_gradient(&map, &scene.lens, 7.0, 33.0, px, grad);
+    const wide_double_t x_mm = {7, 7, -4, -4}, y_mm = {33, 33, -250, -250};
+    const wide_double_t nu = {1, 0, 1, 0}, nv = {0, 1, 0, 1};
+    wide_double_t row[8];
+    plane_map_rows(&map, &scene.lens, x_mm, y_mm, nu, nv, row);
     for (int k = 0; k < 8; ++k) {
-        double high[2], low[2];
         const double at = map.h[k];
-        map.h[k] = at + 1e-6;
-        plane_map_project(&map, &scene.lens, RAY_LIMIT, 7.0, 33.0, high, NULL);
-        map.h[k] = at - 1e-6;
-        plane_map_project(&map, &scene.lens, RAY_LIMIT, 7.0, 33.0, low, NULL);
+        for (int lane = 0; lane < WIDE_DOUBLES; ++lane) {
+            double high[2], low[2];
+            map.h[k] = at + 1e-6;
+            plane_map_project(&map, &scene.lens, RAY_LIMIT, x_mm[lane], y_mm[lane], high, NULL);
+            map.h[k] = at - 1e-6;
+            plane_map_project(&map, &scene.lens, RAY_LIMIT, x_mm[lane], y_mm[lane], low, NULL);
+            const int axis = nv[lane] > 0;
+            TEST_ASSERT_DOUBLE_WITHIN(1e-3, (high[axis] - low[axis]) / 2e-6, row[k][lane]);
+        }
         map.h[k] = at;
-        TEST_ASSERT_DOUBLE_WITHIN(1e-3, (high[0] - low[0]) / 2e-6, grad[k]);
-        TEST_ASSERT_DOUBLE_WITHIN(1e-3, (high[1] - low[1]) / 2e-6, grad[8 + k]);
     }
 }
 

@@ -17,6 +17,7 @@ STAGES = {"bar", "blur", "calib", "exposure", "grid", "pair", "pose"}
 MAY_USE = {
     "base": set(),
     **{kit: {"base"} for kit in KITS},
+    "lens": {"base", "algebra"},  # several rays at a time
     **{stage: {"base"} | KITS for stage in STAGES},
     "locate": {"base"} | KITS,
     "expect": {"base"} | KITS,

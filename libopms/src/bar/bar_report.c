@@ -24,9 +24,10 @@ static void write_edges(opms_bar_detector_t *d, const opms_roi_t *roi)
         edge->bar_m[1] = 1e-3 * (square_y + (along_y ? (double)s->along_mm : at));
         edge->px[0] = (double)s->predicted[0] + (double)(s->normal[0] * s->offset_px) + roi->x_px;
         edge->px[1] = (double)s->predicted[1] + (double)(s->normal[1] * s->offset_px) + roi->y_px;
-        const double length = hypot((double)s->normal[0], (double)s->normal[1]);
-        edge->normal[0] = (double)s->normal[0] / length;
-        edge->normal[1] = (double)s->normal[1] / length;
+        const double u = (double)s->normal[0], v = (double)s->normal[1];
+        const double per_length = 1 / sqrt(u * u + v * v);
+        edge->normal[0] = u * per_length;
+        edge->normal[1] = v * per_length;
         edge->sigma_px = (double)d->fit.sigma[i];
         edge->shift_gain = (double)d->fit.shift_gain[i];
     }

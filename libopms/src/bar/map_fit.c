@@ -9,30 +9,23 @@
 #include "algebra/wide_doubles.h"
 #include "bar/bar_code.h"
 #include "bar/clip_fit.h"
+#include "bar/plane_map_wide.h"
 
 #define SCALE_SAMPLE 160
 #define TUKEY MAP_FIT_TUKEY
 #define ROUNDS 3
 #define SETTLED_SCALE 0.01f /* of itself; another round would then change nothing */
 
-/** The equation of one stretch. Code cells lie where map and shift have them, and pull at the sides
- * next to them as these do: by the map they move with the side, by the shift towards it. So an
- * offset answers either by somewhat less or more than in full, and its equation says so. */
+/** The part of a stretch in its equation that is not the map's: code cells lie where map and shift
+ * have them, and pull at the sides next to them as these do: by the map they move with the side, by
+ * the shift towards it. So an offset answers either by somewhat less or more than in full, and its
+ * equation says so. */
 static void write_equation(const edge_scene_t *scene, const bar_fit_t *fit, int i, int at,
                            fit_columns_t *columns)
 {
     const stretch_t *s = &fit->stretch[i];
-    const double square_y = BAR_PITCH_MM * (s->square - OPMS_BAR_ORIGIN);
-    const int along_y = s->side == 0 || s->side == 2, clipped = scene->clip < 1;
-    const double out = (s->side < 2 ? -BAR_HALF_SQUARE_MM : BAR_HALF_SQUARE_MM);
+    const int clipped = scene->clip < 1;
     const double cells = clipped ? 0 : (double)s->by_cells;
-    double px[2], grad[16];
-    plane_map_gradient(&scene->map, scene->lens, along_y ? out : (double)s->along_mm,
-                       square_y + (along_y ? (double)s->along_mm : out), px, grad);
-    const double u = (double)s->normal[0] * (1 - cells), v = (double)s->normal[1] * (1 - cells);
-    for (int k = 0; k < MAP_UNKNOWNS; ++k) {
-        columns->by[k][at] = u * grad[k] + v * grad[8 + k];
-    }
     columns->by[MAP_UNKNOWNS][at] = scene->shift_gain[s->side & 1] * (1 + cells);
     if (clipped) {
         float shape[CLIP_UNKNOWNS];
@@ -46,6 +39,46 @@ static void write_equation(const edge_scene_t *scene, const bar_fit_t *fit, int 
     columns->per_sigma[at] = 1 / (double)fit->sigma[i];
 }
 
+/** Where stretches lie on the bar, and their normals times what answers the map. */
+typedef struct four_places {
+    double x_mm[WIDE_DOUBLES], y_mm[WIDE_DOUBLES], nu[WIDE_DOUBLES], nv[WIDE_DOUBLES];
+} four_places_t;
+
+WIDE_INLINE void place_of(const edge_scene_t *scene, const stretch_t *s, int lane,
+                          four_places_t *four)
+{
+    const double square_y = BAR_PITCH_MM * (s->square - OPMS_BAR_ORIGIN);
+    const int along_y = s->side == 0 || s->side == 2;
+    const double out = (s->side < 2 ? -BAR_HALF_SQUARE_MM : BAR_HALF_SQUARE_MM);
+    const double answer = scene->clip < 1 ? 1 : 1 - (double)s->by_cells;
+    four->x_mm[lane] = along_y ? out : (double)s->along_mm;
+    four->y_mm[lane] = square_y + (along_y ? (double)s->along_mm : out);
+    four->nu[lane] = (double)s->normal[0] * answer;
+    four->nv[lane] = (double)s->normal[1] * answer;
+}
+
+/** The map's part in all equations. */
+WIDE_INLINE void write_gradients_lanes(const edge_scene_t *scene, bar_fit_t *fit)
+{
+    fit_columns_t *columns = &fit->columns;
+    for (int at = 0; at < columns->count; at += WIDE_DOUBLES) {
+        four_places_t four;
+        for (int lane = 0; lane < WIDE_DOUBLES; ++lane) {
+            const int some = at + lane < columns->count ? at + lane : at;
+            place_of(scene, &fit->stretch[columns->stretch[some]], lane, &four);
+        }
+        wide_double_t row[MAP_UNKNOWNS];
+        plane_map_rows(&scene->map, scene->lens, wide_double_load(four.x_mm),
+                       wide_double_load(four.y_mm), wide_double_load(four.nu),
+                       wide_double_load(four.nv), row);
+        for (int k = 0; k < MAP_UNKNOWNS; ++k) {
+            wide_double_store(&columns->by[k][at], row[k]);
+        }
+    }
+}
+
+WIDE_EITHER(write_gradients, (const edge_scene_t *scene, bar_fit_t *fit), (scene, fit))
+
 static void linearise(const edge_scene_t *scene, bar_fit_t *fit)
 {
     fit_columns_t *columns = &fit->columns;
@@ -57,12 +90,13 @@ static void linearise(const edge_scene_t *scene, bar_fit_t *fit)
         }
     }
     columns->count = n;
-    for (; n % WIDE_DOUBLES != 0; ++n) {
-        for (int k = 0; k < fit->unknowns; ++k) {
+    for (; n % WIDE_DOUBLES != 0; ++n) { /* what counts for nothing fills up the last lanes */
+        for (int k = MAP_UNKNOWNS; k < fit->unknowns; ++k) {
             columns->by[k][n] = 0;
         }
         columns->target[n] = columns->per_sigma[n] = 0;
     }
+    write_gradients(scene, fit);
 }
 
 /** The number of unknowns that most fits have, as a constant for the compiler to unroll. */
@@ -133,18 +167,20 @@ WIDE_INLINE void sum_normal_of(const fit_columns_t *columns, float scale, double
     }
 }
 
-WIDE_AVX2 static void sum_normal_avx2(const fit_columns_t *columns, float scale, double *normal,
-                                      double *rhs)
+WIDE_INLINE void sum_usual_lanes(const fit_columns_t *columns, float scale, double *normal,
+                                 double *rhs)
 {
     sum_normal_of(columns, scale, normal, rhs, USUAL_UNKNOWNS);
 }
 
+WIDE_EITHER(sum_usual,
+            (const fit_columns_t *columns, float scale, double *normal, double *rhs),
+            (columns, scale, normal, rhs))
+
 static void sum_normal(const bar_fit_t *fit, float scale, double *normal, double *rhs)
 {
-    if (fit->unknowns == USUAL_UNKNOWNS && wide_has_avx2()) {
-        sum_normal_avx2(&fit->columns, scale, normal, rhs);
-    } else if (fit->unknowns == USUAL_UNKNOWNS) {
-        sum_normal_of(&fit->columns, scale, normal, rhs, USUAL_UNKNOWNS);
+    if (fit->unknowns == USUAL_UNKNOWNS) {
+        sum_usual(&fit->columns, scale, normal, rhs);
     } else {
         sum_normal_of(&fit->columns, scale, normal, rhs, fit->unknowns);
     }

@@ -7,8 +7,6 @@
 #include "algebra/spd.h"
 #include "lens/lens_fast.h"
 
-#define X_UNIT_MM 10.0
-
 int plane_map_fit(plane_map_t *map, const plane_pair_t *pairs, int count)
 {
     double low = 1e30, high = -1e30;
@@ -23,7 +21,7 @@ int plane_map_fit(plane_map_t *map, const plane_pair_t *pairs, int count)
     }
     double normal[64] = {0}, rhs[8] = {0};
     for (int i = 0; i < count; ++i) {
-        const double a = pairs[i].x_mm / X_UNIT_MM;
+        const double a = pairs[i].x_mm / PLANE_MAP_X_MM;
         const double b = (pairs[i].y_mm - map->y0_mm) / map->scale_mm;
         for (int axis = 0; axis < 2; ++axis) {
             const double ray = pairs[i].ray[axis];
@@ -54,7 +52,7 @@ int plane_map_project(const plane_map_t *map, const opms_lens_t *lens, double ra
                       double x_mm, double y_mm, double px[2], double *jac)
 {
     const double *h = map->h;
-    const double a = x_mm / X_UNIT_MM, b = (y_mm - map->y0_mm) / map->scale_mm;
+    const double a = x_mm / PLANE_MAP_X_MM, b = (y_mm - map->y0_mm) / map->scale_mm;
     const double w = h[6] * a + h[7] * b + h[8];
     if (!(w > 0.02)) {
         return 0;
@@ -70,7 +68,7 @@ int plane_map_project(const plane_map_t *map, const opms_lens_t *lens, double ra
     }
     double bend[4];
     lens_project_ray_jac(lens, x, y, &px[0], &px[1], bend);
-    const double by_x = per_w * (1 / X_UNIT_MM), by_y = per_w / map->scale_mm;
+    const double by_x = per_w * (1 / PLANE_MAP_X_MM), by_y = per_w / map->scale_mm;
     const double x_a = (h[0] - x * h[6]) * by_x, y_a = (h[3] - y * h[6]) * by_x;
     const double x_b = (h[1] - x * h[7]) * by_y, y_b = (h[4] - y * h[7]) * by_y;
     jac[0] = bend[0] * x_a + bend[1] * y_a;
@@ -78,28 +76,6 @@ int plane_map_project(const plane_map_t *map, const opms_lens_t *lens, double ra
     jac[2] = bend[2] * x_a + bend[3] * y_a;
     jac[3] = bend[2] * x_b + bend[3] * y_b;
     return 1;
-}
-
-void plane_map_gradient(const plane_map_t *map, const opms_lens_t *lens, double x_mm, double y_mm,
-                        double px[2], double grad[16])
-{
-    const double *h = map->h;
-    const double a = x_mm / X_UNIT_MM, b = (y_mm - map->y0_mm) / map->scale_mm;
-    const double w = h[6] * a + h[7] * b + h[8];
-    const double x = (h[0] * a + h[1] * b + h[2]) / w, y = (h[3] * a + h[4] * b + h[5]) / w;
-    double bend[4];
-    lens_project_ray_jac(lens, x, y, &px[0], &px[1], bend);
-    const double p[3] = {a / w, b / w, 1 / w};
-    for (int axis = 0; axis < 2; ++axis) {
-        const double u_x = bend[2 * axis], u_y = bend[2 * axis + 1];
-        double *row = &grad[8 * axis];
-        for (int k = 0; k < 3; ++k) {
-            row[k] = u_x * p[k];
-            row[3 + k] = u_y * p[k];
-        }
-        row[6] = -(u_x * x + u_y * y) * p[0];
-        row[7] = -(u_x * x + u_y * y) * p[1];
-    }
 }
 
 void plane_map_relabel(plane_map_t *map, int turn, double shift_mm)

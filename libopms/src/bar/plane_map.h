@@ -9,6 +9,8 @@
 
 #include <opms/types.h>
 
+#define PLANE_MAP_X_MM 10.0
+
 /** ray ~ h (X / 10 mm, (Y - y0) / scale, 1), h[8] = 1, rows of h row-major. */
 typedef struct plane_map {
     double h[9];
@@ -28,10 +30,6 @@ int plane_map_fit(plane_map_t *map, const plane_pair_t *pairs, int count);
  * or farther from the axis than `ray_limit`. */
 int plane_map_project(const plane_map_t *map, const opms_lens_t *lens, double ray_limit,
                       double x_mm, double y_mm, double px[2], double *jac);
-
-/** d(u, v)/d(h0..h7) at a point of the plane, 2 x 8 row-major, with the pixel in px. */
-void plane_map_gradient(const plane_map_t *map, const opms_lens_t *lens, double x_mm, double y_mm,
-                        double px[2], double grad[16]);
 
 /** Rename the plane's coordinates: Y becomes Y + shift; with `turn`, X becomes -X and Y shift - Y.
  */

@@ -27,7 +27,7 @@ WIDE_INLINE void add_tile(const double *columns, int count, int a, int b, double
     }
 }
 
-WIDE_INLINE void add_all(const double *columns, int count, double *gram)
+WIDE_INLINE void add_lanes(const double *columns, int count, double *gram)
 {
     for (int a = 0; a < count; a += 2) {
         for (int b = a; b < count; b += 2) {
@@ -36,21 +36,9 @@ WIDE_INLINE void add_all(const double *columns, int count, double *gram)
     }
 }
 
-WIDE_AVX2 static void add_avx2(const double *columns, int count, double *gram)
-{
-    add_all(columns, count, gram);
-}
-
-static void add_plain(const double *columns, int count, double *gram)
-{
-    add_all(columns, count, gram);
-}
+WIDE_EITHER(add, (const double *columns, int count, double *gram), (columns, count, gram))
 
 void gram_add(const double *columns, int count, double *gram)
 {
-    if (wide_has_avx2()) {
-        add_avx2(columns, count, gram);
-    } else {
-        add_plain(columns, count, gram);
-    }
+    add(columns, count, gram);
 }

@@ -25,21 +25,24 @@ typedef struct lens_bent_ray {
     double xx, xy, yy; /**< d(xd)/dx, d(xd)/dy = d(yd)/dx, d(yd)/dy */
 } lens_bend_t;
 
-/** Distort the ray (x, y). */
-static inline lens_bend_t lens_bend(const opms_lens_t *lens, double x, double y)
-{
-    const double r2 = x * x + y * y;
-    const double gain = 1.0 + r2 * (lens->k1 + r2 * lens->k2);
-    const double slope2 = 2.0 * lens->k1 + 4.0 * lens->k2 * r2;
-    const double tilt = 2.0 * (lens->p1 * y + lens->p2 * x);
-    lens_bend_t bend;
-    bend.xd = x * (gain + tilt) + lens->p2 * r2;
-    bend.yd = y * (gain + tilt) + lens->p1 * r2;
-    bend.xx = gain + slope2 * x * x + tilt + 4.0 * lens->p2 * x;
-    bend.xy = slope2 * x * y + 2.0 * (lens->p1 * x + lens->p2 * y);
-    bend.yy = gain + slope2 * y * y + tilt + 4.0 * lens->p1 * y;
-    return bend;
-}
+/** Defines `name`, which distorts the ray (x, y): written once for one ray and for several. */
+#define LENS_BEND(name, bend_type, real)                                                           \
+    static inline bend_type name(const opms_lens_t *lens, real x, real y)                          \
+    {                                                                                              \
+        const real r2 = x * x + y * y;                                                             \
+        const real gain = 1.0 + r2 * (lens->k1 + r2 * lens->k2);                                   \
+        const real slope2 = 2.0 * lens->k1 + 4.0 * lens->k2 * r2;                                  \
+        const real tilt = 2.0 * (lens->p1 * y + lens->p2 * x);                                     \
+        bend_type bend;                                                                            \
+        bend.xd = x * (gain + tilt) + lens->p2 * r2;                                               \
+        bend.yd = y * (gain + tilt) + lens->p1 * r2;                                               \
+        bend.xx = gain + slope2 * x * x + tilt + 4.0 * lens->p2 * x;                               \
+        bend.xy = slope2 * x * y + 2.0 * (lens->p1 * x + lens->p2 * y);                            \
+        bend.yy = gain + slope2 * y * y + tilt + 4.0 * lens->p1 * y;                               \
+        return bend;                                                                               \
+    }
+
+LENS_BEND(lens_bend, lens_bend_t, double)
 
 /** Pixel of the ray (x, y). Always returns 1, so that it can stand where a checked call does. */
 static inline int lens_project_ray(const opms_lens_t *lens, double x, double y, double *u,

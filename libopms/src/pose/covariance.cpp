@@ -8,6 +8,7 @@
 // a few edges must not blow up an honest statement.
 #include "pose/covariance.h"
 
+#include "lens/lens_wide.h"
 #include "pose/edge_four.h"
 
 namespace opms::pose
@@ -27,22 +28,18 @@ double smooth_step(double x)
 }
 
 /* n . d(u, v)/d(intrinsics) / sigma at the rays (x, y). An edge keeps m = J^T n / sigma; n / sigma
- * follows from it, J being that of lens_bend(). */
+ * follows from it. */
 WIDE_INLINE void intrinsics_row(const opms_lens_t &lens, const Four &x, const Four &y,
                                 const Four &mx, const Four &my, Four row[8])
 {
+    const lens_wide_bend_t bend = lens_bend_wide(&lens, x, y);
     const Four r2 = x * x + y * y;
-    const Four gain = 1.0 + r2 * (lens.k1 + r2 * lens.k2) + 2.0 * (lens.p1 * y + lens.p2 * x);
-    const Four slope2 = 2.0 * lens.k1 + 4.0 * lens.k2 * r2;
-    const Four xx = gain + slope2 * x * x + 4.0 * lens.p2 * x;
-    const Four xy = slope2 * x * y + 2.0 * (lens.p1 * x + lens.p2 * y);
-    const Four yy = gain + slope2 * y * y + 4.0 * lens.p1 * y;
-    const Four part = 1.0 / (xx * yy - xy * xy);
-    const Four ax = (yy * mx - xy * my) * part; // fx n_u / sigma
-    const Four ay = (xx * my - xy * mx) * part; // fy n_v / sigma
+    const Four part = 1.0 / (bend.xx * bend.yy - bend.xy * bend.xy);
+    const Four ax = (bend.yy * mx - bend.xy * my) * part; // fx n_u / sigma
+    const Four ay = (bend.xx * my - bend.xy * mx) * part; // fy n_v / sigma
     const Four radial = (ax * x + ay * y) * r2;
-    row[0] = ax * (x * gain + lens.p2 * r2) * (1.0 / lens.fx_px);
-    row[1] = ay * (y * gain + lens.p1 * r2) * (1.0 / lens.fy_px);
+    row[0] = ax * bend.xd * (1.0 / lens.fx_px);
+    row[1] = ay * bend.yd * (1.0 / lens.fy_px);
     row[2] = ax * (1.0 / lens.fx_px);
     row[3] = ay * (1.0 / lens.fy_px);
     row[4] = radial;
@@ -54,8 +51,8 @@ WIDE_INLINE void intrinsics_row(const opms_lens_t &lens, const Four &x, const Fo
 using IntrinsicsSums = double[7][8];
 
 /* Sums of psi'+ J n . d(u, v)/dk over the edges. */
-WIDE_INLINE void sum_intrinsics(const EdgeSet &set, const opms_lens_t &lens,
-                                const EdgeFrame &frame, double scale, IntrinsicsSums &out)
+WIDE_INLINE void sum_intrinsics_lanes(const EdgeSet &set, const opms_lens_t &lens,
+                                      const EdgeFrame &frame, double scale, IntrinsicsSums &out)
 {
     Four sums[7][8];
     for (auto &line : sums) {
@@ -84,47 +81,70 @@ WIDE_INLINE void sum_intrinsics(const EdgeSet &set, const opms_lens_t &lens,
     }
 }
 
-WIDE_AVX2 void sum_intrinsics_avx2(const EdgeSet &set, const opms_lens_t &lens,
-                                   const EdgeFrame &frame, double scale, IntrinsicsSums &out)
+WIDE_EITHER(sum_intrinsics,
+            (const EdgeSet &set, const opms_lens_t &lens, const EdgeFrame &frame, double scale,
+             IntrinsicsSums &out),
+            (set, lens, frame, scale, out))
+
+/* What the residuals come to. */
+struct ResidualSums {
+    double psi2, slopes, curvature, counted; // over the edges that count at all
+    double used, used_z2, used_px2, used_w;  // over those that count by more than a half
+};
+
+WIDE_INLINE void sum_residuals_lanes(const EdgeSet &set, const double *z, double scale,
+                                     ResidualSums &out)
 {
-    sum_intrinsics(set, lens, frame, scale, out);
+    Four psi2 = {}, slopes = {}, curvature = {}, counted = {};
+    Four used = {}, used_z2 = {}, used_px2 = {}, used_w = {};
+    const Four one = Four{} + 1.0;
+    const double per_window = 1.0 / (TUKEY * scale);
+    for (uint32_t i = 0; i < set.count; i += WIDE_DOUBLES) {
+        Four at = wide_double_load(z + i), sigma = wide_double_load(set.sigma_px + i);
+        for (uint32_t k = set.count - i; k < WIDE_DOUBLES; ++k) {
+            at[k] = TUKEY * scale; // of no weight
+            sigma[k] = 0.0;
+        }
+        const Four part = at * per_window, part2 = part * part;
+        const Four rest = wide_double_positive(1.0 - part2);
+        const Four w = rest * rest, z2 = at * at;
+        const wide_long_t counts = w > 0.0, uses = w > 0.5;
+        const Four slope = rest * (rest - 4.0 * part2);
+        psi2 += w * w * z2;
+        slopes += slope;
+        curvature += wide_double_positive(slope);
+        counted += wide_double_where(counts, one);
+        used += wide_double_where(uses, one);
+        used_z2 += wide_double_where(uses, z2);
+        used_px2 += wide_double_where(uses, w * z2 * sigma * sigma);
+        used_w += wide_double_where(uses, w);
+    }
+    out = {wide_double_sum(psi2),    wide_double_sum(slopes),  wide_double_sum(curvature),
+           wide_double_sum(counted), wide_double_sum(used),    wide_double_sum(used_z2),
+           wide_double_sum(used_px2), wide_double_sum(used_w)};
 }
+
+WIDE_EITHER(sum_residuals,
+            (const EdgeSet &set, const double *z, double scale, ResidualSums &out),
+            (set, z, scale, out))
 
 } // namespace
 
 FitQuality fit_quality(const EdgeSet &set, const Fit &fit, const double *z)
 {
-    double psi2 = 0.0, slopes = 0.0, curvature = 0.0, counted = 0.0;
-    double used_z2 = 0.0, used_px2 = 0.0, used_w = 0.0;
+    ResidualSums sums;
+    sum_residuals(set, z, fit.scale, sums);
     FitQuality quality = {};
-    for (uint32_t i = 0; i < set.count; ++i) {
-        const double w = tukey_weight(z[i], fit.scale);
-        if (!(w > 0.0)) {
-            continue;
-        }
-        counted += 1.0;
-        psi2 += w * w * z[i] * z[i];
-        const double part = z[i] / (TUKEY * fit.scale);
-        const double rest = 1.0 - part * part;
-        const double slope = rest * (rest - 4.0 * part * part);
-        slopes += slope;
-        curvature += std::max(0.0, slope);
-        if (w > 0.5) {
-            const double px = z[i] * set.sigma_px[i];
-            ++quality.used;
-            used_z2 += z[i] * z[i];
-            used_px2 += w * px * px;
-            used_w += w;
-        }
-    }
+    quality.used = static_cast<uint32_t>(sums.used);
     quality.inflation = GAUSSIAN_INFLATION;
     if (quality.used > 0) {
-        quality.chi2_dof = used_z2 / std::max(1.0, static_cast<double>(quality.used) - UNKNOWNS);
-        quality.residual_px = std::sqrt(used_px2 / used_w);
+        quality.chi2_dof = sums.used_z2 / std::max(1.0, sums.used - UNKNOWNS);
+        quality.residual_px = std::sqrt(sums.used_px2 / sums.used_w);
     }
-    const double freedom = counted - UNKNOWNS;
-    if (freedom > 0.0 && slopes > 0.0) {
-        const double measured = psi2 * curvature / (slopes * slopes) * (counted / freedom);
+    const double freedom = sums.counted - UNKNOWNS;
+    if (freedom > 0.0 && sums.slopes > 0.0) {
+        const double measured = sums.psi2 * sums.curvature / (sums.slopes * sums.slopes) *
+                                (sums.counted / freedom);
         const double excess = measured / GAUSSIAN_INFLATION - 1.0;
         const double chance = 2.0 * std::sqrt(2.0 / freedom);
         quality.inflation *= 1.0 + std::max(0.0, excess) * smooth_step(excess / chance);
@@ -153,11 +173,7 @@ Mat68 fit_by_intrinsics(const EdgeSet &set, const opms_lens_t &lens, const Fit &
     // D step = sum psi'+ J n . d(u, v)/dk.
     IntrinsicsSums sums;
     const EdgeFrame frame(fit.placement);
-    if (wide_has_avx2()) {
-        sum_intrinsics_avx2(set, lens, frame, fit.scale, sums);
-    } else {
-        sum_intrinsics(set, lens, frame, fit.scale, sums);
-    }
+    sum_intrinsics(set, lens, frame, fit.scale, sums);
     const Mat78 step = inverse * Eigen::Map<RowMajor<7, 8>>(&sums[0][0]);
     Mat68 result;
     result.topRows<3>() = step.topRows<3>();

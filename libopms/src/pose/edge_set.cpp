@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pose/edge_set.h"
 
-#include "lens/lens_fast.h"
+#include <algorithm>
+
+#include "lens/lens_wide.h"
 
 namespace opms::pose
 {
@@ -14,45 +16,134 @@ constexpr uint32_t SAMPLE_FROM = 240; // fewer edges than this are all looked at
 constexpr double UNREACHED = 1e9;     // residual in sigmas of an edge that no ray reaches
 constexpr double NEAR_PX = 0.5;       // as near as this, a ray may stand for that of the pixel
 
-/* The line of an edge, its lens taken at the ray (x, y). */
-struct RayLine {
-    double mx, my; // m = J^T n
-    double c;      // m.x_q
-    double off;    // from the ray's pixel to q, squared
+using Four = wide_double_t;
+
+/* Four edges as the caller has them, one a lane. */
+struct FourEdges {
+    double X[WIDE_DOUBLES], Y[WIDE_DOUBLES];
+    double u[WIDE_DOUBLES], v[WIDE_DOUBLES], nu[WIDE_DOUBLES], nv[WIDE_DOUBLES];
+    double sigma_px[WIDE_DOUBLES], gain[WIDE_DOUBLES];
 };
 
-RayLine line_at(const opms_lens_t &lens, const opms_edge_t &edge, double x, double y)
+/* What fills up the last lanes is the last edge once more. */
+WIDE_INLINE void gather(const EdgeSet &set, const opms_edge_t *edges, uint32_t from, uint32_t to,
+                        FourEdges &four)
 {
-    double u, v, jac[4];
-    lens_project_ray_jac(&lens, x, y, &u, &v, jac);
-    const double eu = edge.px[0] - u;
-    const double ev = edge.px[1] - v;
-    RayLine line;
-    line.mx = jac[0] * edge.normal[0] + jac[2] * edge.normal[1];
-    line.my = jac[1] * edge.normal[0] + jac[3] * edge.normal[1];
-    line.c = line.mx * x + line.my * y + eu * edge.normal[0] + ev * edge.normal[1];
-    line.off = eu * eu + ev * ev;
-    return line;
+    for (uint32_t lane = 0; lane < WIDE_DOUBLES; ++lane) {
+        const opms_edge_t &edge = edges[set.order[std::min(from + lane, to - 1)]];
+        four.X[lane] = edge.bar_m[0];
+        four.Y[lane] = edge.bar_m[1];
+        four.u[lane] = edge.px[0];
+        four.v[lane] = edge.px[1];
+        four.nu[lane] = edge.normal[0];
+        four.nv[lane] = edge.normal[1];
+        four.sigma_px[lane] = edge.sigma_px;
+        four.gain[lane] = edge.shift_gain;
+    }
+}
+
+/* The lines of four edges, their lens taken at the rays (x, y). */
+struct RayLines {
+    Four x, y;
+    Four mx, my; // m = J^T n
+    Four c;      // m.x_q
+    Four off;    // from the ray's pixel to q, squared
+};
+
+WIDE_INLINE void find_lines(const opms_lens_t &lens, const FourEdges &four, RayLines &lines)
+{
+    const Four nu = wide_double_load(four.nu), nv = wide_double_load(four.nv);
+    const lens_wide_line_t line = lens_line_wide(&lens, lines.x, lines.y, nu, nv);
+    const Four eu = wide_double_load(four.u) - line.u, ev = wide_double_load(four.v) - line.v;
+    lines.mx = line.mx;
+    lines.my = line.my;
+    lines.c = line.mx * lines.x + line.my * lines.y + eu * nu + ev * nv;
+    lines.off = eu * eu + ev * ev;
+}
+
+/* Rare and long: once, not in every lane of either vector unit. */
+[[gnu::noinline]] bool find_ray(const opms_lens_t &lens, const FourEdges &four, unsigned lane,
+                                double ray[2])
+{
+    return lens_unproject_fast(&lens, four.u[lane], four.v[lane], &ray[0], &ray[1]) != 0;
 }
 
 /* Half a pixel off, the bend of the lens is below 1e-4 px and need not be followed to the ray of q
- * itself. */
-bool line_of_edge(const opms_lens_t &lens, const opms_edge_t &edge, const Vec3 *guess,
-                  RayLine &line)
+ * itself; farther off it is. A lane that no ray reaches is set in the result. */
+WIDE_INLINE unsigned follow_lens(const opms_lens_t &lens, const FourEdges &four, RayLines &lines)
 {
-    if (guess) {
-        line = line_at(lens, edge, guess->x() / guess->z(), guess->y() / guess->z());
-        if (line.off < NEAR_PX * NEAR_PX) {
-            return true;
+    unsigned unreached = 0, moved = 0;
+    for (unsigned lane = 0; lane < WIDE_DOUBLES; ++lane) {
+        if (lines.off[lane] < NEAR_PX * NEAR_PX) {
+            continue;
+        }
+        double ray[2];
+        moved = 1;
+        if (find_ray(lens, four, lane, ray)) {
+            lines.x[lane] = ray[0];
+            lines.y[lane] = ray[1];
+        } else {
+            unreached |= 1u << lane;
         }
     }
-    double x, y;
-    if (!lens_unproject_fast(&lens, edge.px[0], edge.px[1], &x, &y)) {
-        return false;
+    if (moved) {
+        find_lines(lens, four, lines);
     }
-    line = line_at(lens, edge, x, y);
-    return true;
+    return unreached;
 }
+
+/* Where an edge is expected: the bar's axes and origin in the camera frame. Without a guess there
+ * is none, and depth 0 makes every ray one to be followed. */
+struct Expected {
+    Mat3 into;
+    Vec3 origin;
+};
+
+WIDE_INLINE void expect_rays(const Expected &at, const FourEdges &four, RayLines &lines)
+{
+    const Four X = wide_double_load(four.X), Y = wide_double_load(four.Y);
+    const Mat3 &m = at.into;
+    const Four nearness = 1.0 / (m(2, 0) * X + m(2, 1) * Y + at.origin.z());
+    lines.x = (m(0, 0) * X + m(0, 1) * Y + at.origin.x()) * nearness;
+    lines.y = (m(1, 0) * X + m(1, 1) * Y + at.origin.y()) * nearness;
+}
+
+WIDE_INLINE void store_lines(const FourEdges &four, const RayLines &lines, unsigned unreached,
+                             uint32_t i, EdgeSet &set)
+{
+    const Four information = 1.0 / wide_double_load(four.sigma_px);
+    wide_double_store(set.sigma_px + i, wide_double_load(four.sigma_px));
+    wide_double_store(set.X + i, wide_double_load(four.X));
+    wide_double_store(set.Y + i, wide_double_load(four.Y));
+    wide_double_store(set.is + i, wide_double_load(four.gain) * information);
+    wide_double_store(set.mx + i, lines.mx * information);
+    wide_double_store(set.my + i, lines.my * information);
+    wide_double_store(set.c + i, lines.c * information);
+    for (uint32_t lane = 0; lane < WIDE_DOUBLES; ++lane) {
+        if (unreached >> lane & 1u) {
+            set.is[i + lane] = set.mx[i + lane] = set.my[i + lane] = 0.0;
+            set.c[i + lane] = UNREACHED;
+        }
+    }
+}
+
+WIDE_INLINE void fill_lanes(EdgeSet &set, const opms_lens_t &lens, const opms_edge_t *edges,
+                            uint32_t from, uint32_t to, const Expected &at)
+{
+    for (uint32_t i = from; i < to; i += WIDE_DOUBLES) {
+        FourEdges four;
+        RayLines lines;
+        gather(set, edges, i, to, four);
+        expect_rays(at, four, lines);
+        find_lines(lens, four, lines);
+        store_lines(four, lines, follow_lens(lens, four, lines), i, set);
+    }
+}
+
+WIDE_EITHER(fill,
+            (EdgeSet & set, const opms_lens_t &lens, const opms_edge_t *edges, uint32_t from,
+             uint32_t to, const Expected &at),
+            (set, lens, edges, from, to, at))
 
 } // namespace
 
@@ -85,26 +176,12 @@ void edge_set_init(EdgeSet &set, uint32_t count)
 void edge_set_fill(EdgeSet &set, const opms_lens_t &lens, const opms_edge_t *edges, uint32_t from,
                    uint32_t to, const Placement *guess)
 {
-    Mat3 into = Mat3::Zero();
-    Vec3 origin = Vec3::Zero();
+    Expected at = {Mat3::Zero(), Vec3::Zero()};
     if (guess) {
-        into = guess->R.transpose();
-        origin = -(into * guess->t);
+        at.into = guess->R.transpose();
+        at.origin = -(at.into * guess->t);
     }
-    for (uint32_t i = from; i < to; ++i) {
-        const opms_edge_t &edge = edges[set.order[i]];
-        const Vec3 seen = into.col(0) * edge.bar_m[0] + into.col(1) * edge.bar_m[1] + origin;
-        RayLine line;
-        const bool reached = line_of_edge(lens, edge, guess ? &seen : nullptr, line);
-        const double information = 1.0 / edge.sigma_px;
-        set.sigma_px[i] = edge.sigma_px;
-        set.X[i] = edge.bar_m[0];
-        set.Y[i] = edge.bar_m[1];
-        set.is[i] = reached ? edge.shift_gain * information : 0.0;
-        set.mx[i] = reached ? line.mx * information : 0.0;
-        set.my[i] = reached ? line.my * information : 0.0;
-        set.c[i] = reached ? line.c * information : UNREACHED;
-    }
+    fill(set, lens, edges, from, to, at);
     // Empty edges fill up the last lanes: no residual, no gradient, a bar point that is in front.
     for (uint32_t i = to; i < to + 3; ++i) {
         set.X[i] = to > 0 ? set.X[to - 1] : 0.0;

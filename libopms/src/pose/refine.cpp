@@ -44,6 +44,21 @@ Vec3 middle_of(const EdgeSet &set, uint32_t n)
     return sum / n;
 }
 
+WIDE_INLINE void find_residuals_lanes(const EdgeSet &set, uint32_t n, const EdgeFrame &frame,
+                                      double *z)
+{
+    for (uint32_t i = 0; i < n; i += WIDE_DOUBLES) {
+        const EdgeFour edge(set, i, n, frame);
+        for (uint32_t k = 0; k < WIDE_DOUBLES && i + k < n; ++k) {
+            z[i + k] = edge.z[k];
+        }
+    }
+}
+
+WIDE_EITHER(find_residuals,
+            (const EdgeSet &set, uint32_t n, const EdgeFrame &frame, double *z),
+            (set, n, frame, z))
+
 /* The scale that the residuals ask for, at least the stated one. */
 double scale_at(const EdgeSet &set, uint32_t n, const RefinePlan &plan, const Placement &placement)
 {
@@ -71,13 +86,7 @@ void follow_scale(const EdgeSet &set, uint32_t n, const RefinePlan &plan, Fit &f
 
 void residuals(const EdgeSet &set, uint32_t n, const Placement &placement, double *z)
 {
-    const EdgeFrame frame(placement);
-    for (uint32_t i = 0; i < n; i += WIDE_DOUBLES) {
-        const EdgeFour edge(set, i, n, frame);
-        for (uint32_t k = 0; k < WIDE_DOUBLES && i + k < n; ++k) {
-            z[i + k] = edge.z[k];
-        }
-    }
+    find_residuals(set, n, EdgeFrame(placement), z);
 }
 
 double robust_scale(const double *z, uint32_t n)
@@ -100,8 +109,8 @@ struct EdgeSums {
     double lost, nearest;
 };
 
-WIDE_INLINE void sum_edges(const EdgeSet &set, uint32_t n, const EdgeFrame &frame, double scale,
-                           Steps steps, EdgeSums &out)
+WIDE_INLINE void sum_edges_lanes(const EdgeSet &set, uint32_t n, const EdgeFrame &frame,
+                                 double scale, Steps steps, EdgeSums &out)
 {
     Four products[28], slopes[7], lost = {}, nearest = {};
     for (Four &sum : products) {
@@ -141,11 +150,10 @@ WIDE_INLINE void sum_edges(const EdgeSet &set, uint32_t n, const EdgeFrame &fram
     out.nearest = std::min(std::min(nearest[0], nearest[1]), std::min(nearest[2], nearest[3]));
 }
 
-WIDE_AVX2 void sum_edges_avx2(const EdgeSet &set, uint32_t n, const EdgeFrame &frame, double scale,
-                              Steps steps, EdgeSums &out)
-{
-    sum_edges(set, n, frame, scale, steps, out);
-}
+WIDE_EITHER(sum_edges,
+            (const EdgeSet &set, uint32_t n, const EdgeFrame &frame, double scale, Steps steps,
+             EdgeSums &out),
+            (set, n, frame, scale, steps, out))
 
 } // namespace
 
@@ -154,11 +162,7 @@ void normal_equations(const EdgeSet &set, uint32_t n, const Placement &placement
 {
     const EdgeFrame frame(placement);
     EdgeSums sums;
-    if (wide_has_avx2()) {
-        sum_edges_avx2(set, n, frame, scale, steps, sums);
-    } else {
-        sum_edges(set, n, frame, scale, steps, sums);
-    }
+    sum_edges(set, n, frame, scale, steps, sums);
     int place = 0;
     for (int a = 0; a < 7; ++a) {
         normal.gradient[a] = sums.slopes[a];
