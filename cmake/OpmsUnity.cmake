@@ -15,7 +15,8 @@ endif()
 
 add_library(opms_unity STATIC ${UNITY_DIR}/src/unity.c)
 target_include_directories(opms_unity SYSTEM PUBLIC ${UNITY_DIR}/src)
-target_compile_definitions(opms_unity PUBLIC UNITY_INCLUDE_DOUBLE)
+# A test that fails leaves its objects behind, and their threads: what it said must be out by then.
+target_compile_definitions(opms_unity PUBLIC UNITY_INCLUDE_DOUBLE UNITY_USE_FLUSH_STDOUT)
 
 # opms_add_unity_test(<name> <source>... [LIBS <library>...])
 #

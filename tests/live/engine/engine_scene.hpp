@@ -99,6 +99,8 @@ public:
     std::vector<std::shared_ptr<const PoseRecord>> poses() const;
     std::vector<SessionState> states() const; /**< without repetitions */
     int events(const std::string &code) const;
+    /** Wait until an event has come so often: what is heard lags behind what the session is. */
+    bool hears(const std::string &code, int times) const;
     std::size_t pose_count() const;
 
     std::atomic<int> pictures{0};

@@ -125,6 +125,11 @@ int Notes::events(const std::string &code) const
     return place == events_.end() ? 0 : place->second;
 }
 
+bool Notes::hears(const std::string &code, int times) const
+{
+    return eventually([&] { return events(code) >= times; }) && events(code) == times;
+}
+
 std::size_t Notes::pose_count() const
 {
     const std::lock_guard<std::mutex> lock(mutex_);

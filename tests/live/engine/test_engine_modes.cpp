@@ -119,8 +119,8 @@ void box_and_camera_may_come_after_the_session(void)
     scene.box->is_there = false;
     scene.camera->starts_refused = 1;
     scene.connect(); /* waits for the camera */
-    TEST_ASSERT_EQUAL_INT(1, scene.notes.events("camera.waiting"));
-    TEST_ASSERT_EQUAL_INT(1, scene.notes.events("box.waiting"));
+    TEST_ASSERT_TRUE(scene.notes.hears("camera.waiting", 1));
+    TEST_ASSERT_TRUE(scene.notes.hears("box.waiting", 1));
     std::string error;
     TEST_ASSERT_FALSE(scene.session->software_start(ScanRequest(), error));
     scene.link(OPMS_LINK_CONNECTED);
@@ -200,7 +200,7 @@ void the_start_waits_for_the_clock_of_this_boot_and_tells_where_it_stays_unknown
     time.join();
     TEST_ASSERT_TRUE_MESSAGE(has_begun, error.c_str());
     TEST_ASSERT_TRUE(waited_ns > 3000 * MS);
-    TEST_ASSERT_TRUE(eventually([&] { return scene.notes.events("box.clock_unknown") == 1; }));
+    TEST_ASSERT_TRUE(scene.notes.hears("box.clock_unknown", 1));
     TEST_ASSERT_TRUE(scene.stop());
     scene.go(2000);
     scene.begin();
@@ -220,7 +220,7 @@ void pictures_of_another_size_than_the_lens_are_told_and_not_located(void)
     scene.free_frame();
     TEST_ASSERT_TRUE(eventually([&] { return scene.notes.pose_count() == 1; }));
     TEST_ASSERT_EQUAL_INT(OPMS_BAR_ABSENT, scene.notes.poses()[0]->location.state);
-    TEST_ASSERT_EQUAL_INT(1, scene.notes.events("camera.wrong_size"));
+    TEST_ASSERT_TRUE(scene.notes.hears("camera.wrong_size", 1));
     TEST_ASSERT_TRUE(scene.stop());
 }
 
