@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Opens the emulated box, does what stdin says, and prints what comes out as JSON lines:
  *
- *     hid_probe PORT [id=HEX] [queue=N] [ping=MS] [fill=0] [open=MS] [poll=0] [callback=1]
+ *     hid_probe PORT [id=HEX] [queue=N] [ping=MS] [fill=0] [open=MS] [poll=0] [callback=1|2]
  *
- * The tests in Python drive it. poll=0 leaves the queue alone until the command `poll`. */
+ * The tests in Python drive it. poll=0 leaves the queue alone until the command `poll`; callback=2
+ * is slow to come back from news of the link. */
 #include <poll.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -57,6 +58,14 @@ static void print_item(void *user, const opms_box_item_t *item)
         break;
     }
     fflush(stdout);
+}
+
+static void print_slowly(void *user, const opms_box_item_t *item)
+{
+    print_item(user, item);
+    if (item->kind == OPMS_ITEM_LINK) {
+        poll(NULL, 0, 300);
+    }
 }
 
 static void reply(const char *name, opms_status_t status, const opms_error_t *err,
@@ -215,7 +224,7 @@ static bool take_option(const char *text, opms_box_options_t *options, bool *pol
     } else if (sscanf(text, "poll=%u", &value) == 1) {
         *polls = value != 0;
     } else if (sscanf(text, "callback=%u", &value) == 1) {
-        options->on_item = value ? print_item : NULL;
+        options->on_item = value == 2 ? print_slowly : value == 1 ? print_item : NULL;
     } else {
         return false;
     }

@@ -165,6 +165,15 @@ class Replug(HidTest):
         probe.wait_item("link", change=CONNECTED)
         self.assertEqual(probe.ask("settings")["status"], "OPMS_OK")
 
+    def test_calls_work_as_soon_as_the_connection_is_told(self):
+        probe = self.open("callback=2", "poll=0")
+        self.box.detach()
+        probe.wait_item("link", change=DISCONNECTED)
+        self.box.attach()
+        probe.wait_item("link", change=CONNECTED)  # and its teller is still on the way back
+        self.assertTrue(probe.ask("identity")["connected"])
+        self.assertEqual(probe.ask("ping")["status"], "OPMS_OK")
+
     def test_another_box_at_the_same_place_is_not_taken_for_the_first(self):
         probe = self.armed()
         self.box.detach()

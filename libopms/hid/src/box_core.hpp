@@ -108,6 +108,7 @@ private:
     bool opened_ = false;
     OpenResult outcome_ = {};
     bool connected_ = false;
+    bool announced_ = false; /* that it is: items of the worker come after that word */
     uint32_t connection_ = 0; /* which one it is */
     opms_identity_report_t identity_ = {};
     Seen seen_ = {};

@@ -119,6 +119,9 @@ void BoxCore::set_connected(const opms_identity_report_t &identity)
         rebooted = tracker_.connected(identity.boot_id);
         seen_.armed_session_id = rebooted ? 0 : seen_.armed_session_id;
         ++connection_;
+        // Before it is told: who hears of it may ask the box at once.
+        connected_ = true;
+        changed_.notify_all();
     }
     tell_link(OPMS_LINK_CONNECTED, identity.boot_id,
               "box " + hex_id(identity.unique_id) + " is connected");
@@ -126,7 +129,7 @@ void BoxCore::set_connected(const opms_identity_report_t &identity)
         tell_link(OPMS_LINK_REBOOTED, identity.boot_id, "the box has restarted while away");
     }
     const std::lock_guard<std::mutex> guard(mutex_);
-    connected_ = true;
+    announced_ = true;
     changed_.notify_all();
 }
 
@@ -134,7 +137,7 @@ void BoxCore::set_disconnected()
 {
     {
         const std::lock_guard<std::mutex> guard(mutex_);
-        connected_ = false;
+        connected_ = announced_ = false;
         changed_.notify_all();
     }
     transport_->close();

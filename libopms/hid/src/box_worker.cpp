@@ -15,7 +15,7 @@ constexpr std::chrono::hours LONG(1);
 
 bool BoxCore::may_fill(Clock::time_point now) const
 {
-    return connected_ && history_wanted_ == 0 && now >= fill_after_ &&
+    return announced_ && history_wanted_ == 0 && now >= fill_after_ &&
            (!new_gaps_.empty() || !fill_.is_idle());
 }
 
@@ -25,7 +25,7 @@ Clock::time_point BoxCore::next_wake() const
     if (connected_ && options_.ping_interval_ms) {
         wake = std::min(wake, next_ping_);
     }
-    if (connected_ && history_wanted_ == 0 && (!new_gaps_.empty() || !fill_.is_idle())) {
+    if (announced_ && history_wanted_ == 0 && (!new_gaps_.empty() || !fill_.is_idle())) {
         wake = std::min(wake, fill_after_);
     }
     return wake;
