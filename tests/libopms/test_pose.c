@@ -163,6 +163,30 @@ static void test_outliers_of_one_edge_in_five_are_left_aside(void)
     }
 }
 
+static void test_edges_that_no_ray_reaches_are_left_aside(void)
+{
+    uint64_t random = 11;
+    opms_lens_t lens = truth_lens();
+    lens.k1 = -0.12; /* its rays turn back some 650 px from the axis */
+    lens.k2 = 0.0;
+    for (int i = 0; i < 50; ++i) {
+        const opms_transform_t truth = scene(&random, 0.0);
+        const uint32_t count = truth_edges(&lens, &truth, 0, 32, 4, edges);
+        for (uint32_t k = 0; k < count; ++k) {
+            truth_move_edge(&edges[k], 0.05 * truth_gauss(&random));
+            if (k % 10 == 3) {
+                edges[k].px[0] = 5000.0;
+                edges[k].px[1] = -3000.0;
+            }
+        }
+        TEST_ASSERT_EQUAL(OPMS_POSE_FOUND, solve(&lens, count));
+        expect_stated(&truth);
+        for (uint32_t k = 0; k < count; ++k) {
+            TEST_ASSERT_EQUAL(k % 10 == 3, fabs(residuals[k]) > 1e3);
+        }
+    }
+}
+
 static void test_a_pose_is_the_same_to_the_last_bit_each_time(void)
 {
     uint64_t random = 6;
@@ -393,6 +417,7 @@ int main(void)
     RUN_TEST(test_a_point_anywhere_along_its_side_will_do);
     RUN_TEST(test_three_squares_with_two_stretches_a_side_are_enough);
     RUN_TEST(test_outliers_of_one_edge_in_five_are_left_aside);
+    RUN_TEST(test_edges_that_no_ray_reaches_are_left_aside);
     RUN_TEST(test_a_pose_is_the_same_to_the_last_bit_each_time);
     RUN_TEST(test_middles_of_sides_alone_never_give_a_wrong_pose);
     RUN_TEST(test_two_poses_that_fit_alike_are_called_ambiguous);

@@ -136,7 +136,8 @@ WIDE_INLINE void fill_lanes(EdgeSet &set, const opms_lens_t &lens, const opms_ed
         gather(set, edges, i, to, four);
         expect_rays(at, four, lines);
         find_lines(lens, four, lines);
-        store_lines(four, lines, follow_lens(lens, four, lines), i, set);
+        const unsigned unreached = follow_lens(lens, four, lines);
+        store_lines(four, lines, unreached, i, set);
     }
 }
 
