@@ -17,7 +17,7 @@
 #define LINES_A_STRETCH_MOST 8    /* where the side has PARTS_ENOUGH of these */
 #define PARTS_ENOUGH 4
 #define LINES_A_STRETCH_CLIPPED 5
-#define LINES_ENOUGH 16   /* across a side, for some of them to be left out while scouting */
+#define SCOUTING_LINES 8  /* across a side are enough to scout by, however long it is */
 #define INSIDE_BLURS                                                                               \
     3.0 /* reach of the pixels that take part, in standard deviations of the blur */
 #define OUTSIDE_BLURS 2.7
@@ -166,7 +166,8 @@ static int lines_of(const edge_scene_t *scene, side_look_t *look)
     }
     const int from = (int)low + (low > (int)low), to = (int)high;
     look->from = from;
-    look->step = to - from >= LINES_ENOUGH ? scene->line_step : 1;
+    const int most = (to - from) / SCOUTING_LINES;
+    look->step = scene->scouting && most > 1 ? most : 1;
     look->count = (to - from) / look->step + 1;
     look->across_size = m == 0 ? view->height : view->width;
     look->per_length = 1 / p1[m];

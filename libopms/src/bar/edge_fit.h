@@ -28,7 +28,7 @@ typedef struct edge_scene {
     double cut_noise;  /**< of grey levels, over the contrast that saturation leaves */
     double cut_level;  /**< lighter pixels are cut at this grey level, at most that of saturation */
     const struct stretch_kernel *kernel;
-    int line_step;     /**< every so many lines of pixels across a side are looked at */
+    int scouting;      /**< a few lines of pixels across a side are enough */
 } edge_scene_t;
 
 /** Do the families' blurs differ for certain? */

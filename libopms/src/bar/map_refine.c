@@ -22,7 +22,6 @@
 #define SCOUTING_CLIPPED 9
 #define SCOUTING_SQUARES 6
 #define CLIP_CLEAR 0.6
-#define SCOUTING_STEP 2     /* lines of pixels */
 #define SCOUTED_PX 0.2f      /* movement after which all squares are measured */
 #define SHAPED 0.04f        /* change of blur (px) or clip that counts as none */
 #define SCOUTED_BLUR 0.06f
@@ -249,7 +248,7 @@ static int run_pass(edge_scene_t *scene, const int *index, int count, float cont
     if (select_good(fit, contrast * 0.5f, reach_px, scene) < GOOD_LEAST) {
         return 0;
     }
-    if (scene->line_step == 1 && shape_saturated_part(fit) < SATURATED_LEAST) {
+    if (!scene->scouting && shape_saturated_part(fit) < SATURATED_LEAST) {
         learn_levels(fit);
         if (select_good(fit, contrast * 0.5f, reach_px, scene) < GOOD_LEAST) {
             return 0;
@@ -402,7 +401,7 @@ static int has_settled(const edge_scene_t *scene, const pass_result_t *result)
 map_verdict_t map_refine(edge_scene_t *scene, int first, int last, float contrast, bar_fit_t *fit)
 {
     scouting_t scouting = {clamp_index(first), clamp_index(last), 0, {0, 0, 0, 0}};
-    scene->line_step = SCOUTING_STEP;
+    scene->scouting = 1;
     if (!scout(scene, SCOUTING_MOST, 1, contrast, fit, &scouting)) {
         return MAP_LOST;
     }
@@ -412,7 +411,7 @@ map_verdict_t map_refine(edge_scene_t *scene, int first, int last, float contras
         }
         cut_lower(scene, fit);
     }
-    scene->line_step = 1;
+    scene->scouting = 0;
     pass_result_t result = scouting.result;
     int index[OPMS_BAR_SQUARES];
     for (int pass = 0; pass < PASSES_MOST; ++pass) {
