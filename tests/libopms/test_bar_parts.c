@@ -14,6 +14,7 @@
 #include "bar/quad.h"
 #include "bar/search_plan.h"
 #include "bar/stretch_fit.h"
+#include "bar/stretch_scatter.h"
 #include "bar_scene.h"
 #include "truth_project.h"
 
@@ -394,6 +395,48 @@ static void a_row_without_cells_gets_no_labels(void)
     TEST_ASSERT_NOT_EQUAL(LABELS_CERTAIN, decide(&scene, 14, 0, 5, &labels));
 }
 
+/* Weights */
+
+static double uniform(uint64_t *state)
+{
+    *state = *state * 6364136223846793005u + 1442695040888963407u;
+    return ((double)(*state >> 12) + 0.5) * 0x1p-52;
+}
+
+static double normal(uint64_t *state)
+{
+    const double r = sqrt(-2 * log(uniform(state)));
+    return r * cos(2 * 3.14159265358979323846 * uniform(state));
+}
+
+/** Mean variance over `pixels` (even) residuals of a standard deviation of 1. */
+static double scatter_of(int pixels, uint64_t *state)
+{
+    double product = 1; /* chi square with 2 n degrees of freedom */
+    for (int i = 0; i < pixels / 2; ++i) {
+        product *= uniform(state);
+    }
+    return -2 * log(product) / pixels;
+}
+
+static void stretches_weighed_by_their_scatter_promise_what_their_mean_keeps(void)
+{
+    enum { TRIALS = 60000, STRETCHES = 20, PIXELS = 20 };
+    uint64_t state = 1713;
+    double kept = 0;
+    for (int t = 0; t < TRIALS; ++t) {
+        double sum = 0, weights = 0;
+        for (int i = 0; i < STRETCHES; ++i) {
+            const float own = (float)scatter_of(PIXELS, &state);
+            const double w = 1 / (double)stretch_scatter(own, PIXELS, 1.f);
+            sum += w * normal(&state);
+            weights += w;
+        }
+        kept += sum * sum / weights;
+    }
+    TEST_ASSERT_DOUBLE_WITHIN(0.02, 1.0, kept / TRIALS); /* 3.5 of its standard deviations */
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -411,5 +454,6 @@ int main(void)
     RUN_TEST(a_corner_off_the_right_angle_covers_its_share);
     RUN_TEST(a_row_is_labelled_in_both_directions);
     RUN_TEST(a_row_without_cells_gets_no_labels);
+    RUN_TEST(stretches_weighed_by_their_scatter_promise_what_their_mean_keeps);
     return UNITY_END();
 }

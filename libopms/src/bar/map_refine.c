@@ -11,6 +11,7 @@
 #include "bar/map_fit.h"
 #include "algebra/median.h"
 #include "bar/picture_shape.h"
+#include "bar/stretch_scatter.h"
 
 /* Passes of: measure the stretches where the map expects them, throw out those that cannot be a
  * side of this bar, fit map and common shift to the rest (Tukey's weights), take over the blur that
@@ -122,10 +123,8 @@ static int select_good(bar_fit_t *fit, float contrast_least, float offset_most,
             fit->good[i] = 0;
             continue;
         }
-        /* A stretch's own variance, drawn towards the picture's by as much weight again. */
-        const float own = (float)s->pixels;
-        const float mixed = (own * s->variance + 20.f * variance) / (own + 20.f);
-        fit->sigma[i] = s->sigma_unit * sqrtf(mixed);
+        fit->sigma[i] =
+            s->sigma_unit * sqrtf(stretch_scatter(s->variance, (float)s->pixels, variance));
         ++n;
     }
     return n;
