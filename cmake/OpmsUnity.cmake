@@ -28,6 +28,6 @@ function(opms_add_unity_test name)
     opms_target_defaults(${name})
     target_link_libraries(${name} PRIVATE opms_internal opms_unity ${arg_LIBS})
     add_test(NAME unit.${name} COMMAND ${name})
-    set_tests_properties(unit.${name} PROPERTIES LABELS unit TIMEOUT 300
+    set_tests_properties(unit.${name} PROPERTIES LABELS unit TIMEOUT 900
         ENVIRONMENT OPMS_TEST_DATA=${PROJECT_SOURCE_DIR}/tests/data)
 endfunction()

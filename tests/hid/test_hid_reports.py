@@ -202,20 +202,19 @@ class Malformed(HidTest):
 class Queue(HidTest):
     def test_a_full_queue_loses_the_newest_and_says_how_many_where(self):
         probe = self.armed("queue=16", "poll=0")
-        probe.ask("poll")
+        while not any(e["kind"] == wire.EVENT_ARMED for e in probe.items("event")):
+            probe.ask("poll")  # else it takes a place
         for number in range(1, 41):
             self.box.trigger(number)
-        while probe.ask("counters")["triggers"] < 40:
+        while probe.ask("counters")["items_lost"] < 24:
             pass
         probe.ask("poll")
         self.assertEqual([t["number"] for t in probe.items("trigger")], list(range(1, 17)))
         lost = probe.items("lost")[-1]
         self.assertEqual((lost["what"], lost["count"]), (ITEMS, 24))
         self.box.trigger(41)
-        while probe.ask("counters")["triggers"] < 41:
-            pass
-        probe.ask("poll")
-        self.assertEqual(probe.items("trigger")[-1]["number"], 41)
+        while probe.items("trigger")[-1]["number"] < 41:
+            probe.ask("poll")
         self.assertEqual(probe.ask("counters")["items_lost"], 24)
 
     def test_a_callback_gets_the_same_items(self):

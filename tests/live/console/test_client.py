@@ -27,9 +27,21 @@ class ClientStream(unittest.TestCase):
 
     def test_poses_come_as_they_are_published(self):
         poses = self.client().poses()
-        threading.Timer(0.5, self.bench.ask, ["pose 3"]).start()
-        first = next(poses)
-        second = next(poses)
+        seen = threading.Event()
+
+        def publish():
+            while not seen.wait(0.1):
+                self.bench.ask("pose 1")
+
+        # Nobody tells when the client is in, and what was published before does not come.
+        publisher = threading.Thread(target=publish)
+        publisher.start()
+        try:
+            first = next(poses)
+            second = next(poses)
+        finally:
+            seen.set()
+            publisher.join()
         self.assertEqual(second["picture"], first["picture"] + 1)
         self.assertEqual(second["missed"], 0)
         poses.close()

@@ -104,7 +104,7 @@ class Load(unittest.TestCase):
                 client.close()
 
     def test_a_client_that_is_not_there_any_more_is_found_out(self):
-        with Bench("--idle-ms", 600) as bench:
+        with Bench("--idle-ms", 4000) as bench:
             silent = RawSocket(bench.port, TOKEN)  # answers no ping
             alive = RawSocket(bench.port, TOKEN)
             alive.receive_schema("opms.hello/1")

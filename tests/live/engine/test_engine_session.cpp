@@ -220,6 +220,10 @@ void a_camera_that_comes_back_counts_anew_and_gets_its_exposure_again(void)
     scene.begin();
     scene.pulses(10);
     scene.taken();
+    TEST_ASSERT_TRUE(eventually([&] {
+        const std::lock_guard<std::mutex> lock(scene.camera->mutex);
+        return !scene.camera->exposures_set.empty();
+    }));
     scene.camera_news(SourceItemKind::lost);
     Pulse unseen;
     unseen.frame = false;

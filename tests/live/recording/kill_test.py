@@ -20,6 +20,7 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import made_truth
+from memory_folder import memory_folder
 from scan_check import WrongScan, check_scan
 from scan_claims import Claims
 
@@ -132,7 +133,7 @@ def recover(program, folder, found):
 
 def one(program, seed, keep):
     rng = random.Random(seed)
-    folder = tempfile.mkdtemp(prefix="opms-kill-")
+    folder = tempfile.mkdtemp(prefix="opms-kill-", dir=memory_folder())
     try:
         claims, cut_ns, part = run_and_kill(program, folder, rng)
         found = check(folder, claims, cut_ns, EDGES)

@@ -17,6 +17,7 @@ from pathlib import Path
 
 import disk_state
 from kill_test import check
+from memory_folder import memory_folder
 from scan_check import WrongScan
 from scan_claims import Claims
 
@@ -62,11 +63,6 @@ def instants(calls, cuts, rng):
     return sorted(chosen)
 
 
-def memory_folder():
-    """Disks are made by the hundred; none of it has to outlive this program."""
-    return "/dev/shm" if os.access("/dev/shm", os.W_OK) else None
-
-
 def judge_can_fail(calls, rng):
     """On a disk that syncs nothing, recordings must be found wrong: else this test is worthless."""
     lying = [call for call in calls if call[0] != disk_state.SYNC]
@@ -109,7 +105,7 @@ def main():
     parser.add_argument("--keep", help="copy the disks of failures there")
     args = parser.parse_args()
     rng = random.Random(args.seed)
-    with tempfile.TemporaryDirectory(prefix="opms-power-") as temporary:
+    with tempfile.TemporaryDirectory(prefix="opms-power-", dir=memory_folder()) as temporary:
         folder = Path(temporary).resolve()
         calls = record(args.scan_writer, folder, args.frames)
         if not replay_is_right(calls, folder / "disk", rng):

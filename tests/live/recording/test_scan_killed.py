@@ -13,6 +13,8 @@ import unittest
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
+from memory_folder import memory_folder
+
 CAMERA = Path(__file__).resolve().parents[2] / "data/bar/camera.yaml"
 KILLS = int(os.environ.get("OPMS_SCAN_KILLS", "3"))
 
@@ -78,8 +80,8 @@ class KilledScan(unittest.TestCase):
     def check_one(self, seed):
         stalls = Stalls()
         stalls.start()
-        with tempfile.TemporaryDirectory(prefix="opms-killed-") as folder:
-            printed, killed = scan_until(folder, random.Random(seed).randint(15, 60))
+        with tempfile.TemporaryDirectory(prefix="opms-killed-", dir=memory_folder()) as folder:
+            printed, killed = scan_until(folder, random.Random(seed).randint(30, 60))
             verdict, poses, pictures, ended = recorded_poses(folder)
             self.assertEqual((verdict, ended), ("ok", 0))
             self.assertEqual(sorted(poses), list(range(1, len(poses) + 1)))
