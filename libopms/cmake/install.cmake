@@ -1,11 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
-# What an installed libopms consists of: libraries, headers, CMake package, pkg-config file.
+# What an installed libopms consists of: libraries, headers, CMake package, pkg-config file. What
+# programs need to run is the component `runtime`, with the program and its modules.
 include(CMakePackageConfigHelpers)
 
 set(opms_package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/opms)
 
 install(TARGETS opms opms_static EXPORT opmsTargets
     LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}
+        COMPONENT runtime NAMELINK_COMPONENT Unspecified
     ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
 install(DIRECTORY include/opms DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}
     FILES_MATCHING PATTERN "*.h")
@@ -30,7 +32,7 @@ if(TARGET opms_hid)
     install(DIRECTORY hid/include/opms DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}
         FILES_MATCHING PATTERN "*.h")
     install(EXPORT opmsHidTargets NAMESPACE opms:: DESTINATION ${opms_package_dir})
-    install(FILES hid/udev/70-opms-box.rules DESTINATION ${OPMS_UDEV_RULES_DIR})
+    install(FILES hid/udev/70-opms-box.rules DESTINATION ${OPMS_UDEV_RULES_DIR} COMPONENT runtime)
 endif()
 
 configure_package_config_file(cmake/opmsConfig.cmake.in

@@ -18,8 +18,11 @@ class InstalledProgram(unittest.TestCase):
         cls.addClassCleanup(folder.cleanup)
         cls.folder = Path(folder.name)
         cls.prefix = cls.folder / "prefix"
-        subprocess.run([os.environ["CMAKE"], "--install", os.environ["BUILD"], "--strip",
-                        "--prefix", str(cls.prefix)], check=True, capture_output=True)
+        made = subprocess.run([os.environ["CMAKE"], "--install", os.environ["BUILD"], "--strip",
+                               "--component", "runtime", "--prefix", str(cls.prefix)],
+                              capture_output=True, text=True)
+        if made.returncode != 0:
+            raise AssertionError(f"not installed: {made.stderr}")
         # What is installed is judged where the build folder's own modules cannot help.
         [cls.program] = cls.prefix.glob("bin/opms")
         cls.modules = {path.name: path for path in cls.prefix.glob("**/opms/opms_*.so")}
