@@ -5,7 +5,6 @@ Skipped where Node, its packages or the built firmware are missing (./run firmwa
 """
 import os
 import shutil
-import socket
 import subprocess
 import unittest
 from pathlib import Path
@@ -20,20 +19,16 @@ READY = (NODE and SERVER.exists() and FIRMWARE.exists()
          and (SERVER.parent / "node_modules").is_dir())
 
 
-def free_port():
-    with socket.create_server(("127.0.0.1", 0)) as server:
-        return server.getsockname()[1]
-
-
 @unittest.skipUnless(READY, "no Node, or the firmware is not built")
 class Firmware(unittest.TestCase):
     def setUp(self):
-        self.place = f"emulated:{free_port()}"
         self.server = subprocess.Popen(
-            [NODE, SERVER, "--port", self.place.split(":")[1], "--firmware", FIRMWARE],
+            [NODE, SERVER, "--port", "0", "--firmware", FIRMWARE],
             stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
         self.addCleanup(self.stop)
-        self.assertIn("emulated box", self.server.stdout.readline())
+        told = self.server.stdout.readline().strip()
+        self.assertRegex(told, r"^emulated box on 127\.0\.0\.1:\d+$")
+        self.place = "emulated:" + told.rsplit(":", 1)[1]
 
     def stop(self):
         self.server.terminate()
