@@ -29,6 +29,7 @@ from bench_rotations import directions, rotations
 from bench_scenes import make_scenes, sweep
 from bench_stats import summarise
 from bench_table import draw, entry_to_json, limits_of, measure_scene
+from bench_traced import prepare_mitsuba, traced_folders
 
 EXAMPLES = [ROOT / "tests" / "data" / "bar", ROOT / "tests" / "data" / "bar-motion"]
 SWEEP_STEP_M = 0.010  # 0.6 m/s at 60 pictures a second
@@ -47,6 +48,9 @@ def arguments() -> argparse.Namespace:
                         help="pictures of --data turned by 30 degrees at a time")
     choice.add_argument("--directions", action="store_true",
                         help="simulated bars every 5 degrees, all sizes")
+    choice.add_argument("--traced", action="store_true",
+                        help="accuracy on path-traced pictures, made anew from --seed: grass, "
+                             "shade, saturated white, another camera, motion")
     choice.add_argument("--calibration", action="store_true",
                         help="calibration beside OpenCV's, node extraction, pictures to camera "
                              "file; --data: pictures of the grid")
@@ -136,6 +140,16 @@ def accuracy_rows(options: argparse.Namespace, light: Light) -> bool:
     return good
 
 
+def traced_rows(options: argparse.Namespace, light: Light) -> bool:
+    missing = prepare_mitsuba()
+    if missing:
+        print(f"bench: {missing}", file=sys.stderr)
+        return False
+    count = options.count or (2 if options.quick else 24)
+    options.data = list(traced_folders(options.work, count, options.seed))
+    return accuracy_rows(options, light)
+
+
 def targets_of(folder: Path) -> str:
     return "motion" if "motion" in folder.name else "path-traced"
 
@@ -155,6 +169,8 @@ def main() -> int:
     light = Light()
     if options.live:  # with all cores
         return 0 if live(options.quick, options.work, options.firmware) else 1
+    if options.traced:
+        return 0 if traced_rows(options, light) else 1
     # One core for this process and all that it starts, peers and libopms alike.
     if hasattr(os, "sched_setaffinity"):
         os.sched_setaffinity(0, {max(os.sched_getaffinity(0))})

@@ -71,8 +71,8 @@ def rectangle(pattern: np.ndarray, x_mm: float, y_mm: float, size_x: float, size
 
 
 @lru_cache(maxsize=None)
-def integral_of(kind: str) -> np.ndarray:
-    """Integral (in cells) of the pattern's black: rows along X, columns along Y."""
+def pattern_of(kind: str) -> np.ndarray:
+    """The pattern's black in cells of CELL_M: rows along X, columns along Y."""
     pattern = np.zeros((round(BAR_X_M / CELL_M), round(BAR_Y_M / CELL_M)))
     for k in range(SQUARES):
         y = (k - 16) * 30.0
@@ -86,6 +86,13 @@ def integral_of(kind: str) -> np.ndarray:
         cell = 20.0 / len(bits)
         for row, column in zip(*np.nonzero(bits)):
             rectangle_exact(pattern, -10 + row * cell, y - 10 + column * cell, cell)
+    return pattern
+
+
+@lru_cache(maxsize=None)
+def integral_of(kind: str) -> np.ndarray:
+    """Integral (in cells) of the pattern's black."""
+    pattern = pattern_of(kind)
     integral = np.zeros((pattern.shape[0] + 1, pattern.shape[1] + 1))
     integral[1:, 1:] = pattern.cumsum(0).cumsum(1)
     return integral
