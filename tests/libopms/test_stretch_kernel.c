@@ -81,7 +81,7 @@ static side_model_t plain_edge(double sigma, float white_level)
     return model;
 }
 
-static side_model_t some_model(int clipped, int moved)
+static side_model_t some_model(int shaped, int moved)
 {
     const double sigma = between(0.4, 1.4);
     side_model_t model = plain_edge(sigma, 250.f);
@@ -93,15 +93,22 @@ static side_model_t some_model(int clipped, int moved)
     model.cell_near = (float)between(1, 6);
     model.cell_far = model.cell_near + (float)between(2, 8);
     model.ground = between(0, 1) < 0.5 ? (float)between(1, 9) : 0.f;
-    if (clipped) {
-        model.clip = (float)between(0.3, 0.99);
-        model.blur_along = edge_blur_of(sigma, moved ? 0.8 * sigma : sigma);
-        model.along_px = (float)between(0.5, 2);
+    if (shaped) {
+        model.clip = between(0, 1) < 0.5 ? (float)between(0.3, 0.99) : (float)UNCUT;
+        model.way_px = moved ? (float)between(-4, 4) : 0.f;
+        model.way_mm = moved ? (float)between(-5, 5) : 0.f;
+        model.way_by = (float)between(-2, 2);
+        model.rise_across = (float)between(-1, 1);
+        model.rise_along = (float)between(-1, 1);
+        model.blur = edge_blur_boxed(sigma, fabs((double)model.way_px));
+        model.panels = moved ? (int)between(1, 5) : 0;
         model.per_cut_noise = (float)between(10, 200);
+        model.ground_drop = (float)between(0, 1);
         model.family = between(0, 1) < 0.5;
-        model.cross_by = (float)between(-1, 1);
-        model.box_by_total = model.box_by_still = 1.f;
-        model.cross = 0.1f * model.cross_by;
+        for (int level = 0; level < 2; ++level) {
+            model.levels.grey[level] = (float)between(0, 255);
+            model.levels.weight[level] = (float)between(0, 20);
+        }
     }
     return model;
 }
@@ -161,27 +168,27 @@ static void every_vector_unit_sums_a_stretch_to_the_same_bytes(void)
     }
     TEST_ASSERT_NOT_EQUAL(stretch_kernel(0), stretch_kernel(1));
     for (int i = 0; i < 4000; ++i) {
-        const int wide = i & 1, clipped = i >> 3 & 1;
+        const int wide = i & 1, shaped = i >> 3 & 1;
         fill_grey(wide, 255);
         const int in_rows = i >> 1 & 1;
         const fit_lines_t lines[2] = {some_lines(wide, in_rows, 1 + i % 7),
                                       some_lines(wide, in_rows, i % 11)};
-        const side_model_t model = some_model(clipped, i >> 2 & 1);
+        const side_model_t model = some_model(shaped, i >> 2 & 1);
         stretch_t out[2][2];
         fit_sums_t sums[2][2];
-        clip_info_t clip[2];
+        shape_info_t shape[2];
         int fitted[2] = {0, 0};
-        memset(clip, 0, sizeof clip);
+        memset(shape, 0, sizeof shape);
         for (int k = 0; k < 2; ++k) {
             sum_two(k, &model, lines, out[k], sums[k]);
-            if (clipped) {
-                fitted[k] = stretch_kernel(k)->fit_clipped(&model, lines, out[k], &clip[k]);
+            if (shaped) {
+                fitted[k] = stretch_kernel(k)->fit_shaped(&model, lines, out[k], &shape[k]);
             }
         }
         TEST_ASSERT_EQUAL_INT(fitted[0], fitted[1]);
         TEST_ASSERT_EQUAL_MEMORY(out[0], out[1], sizeof out[0]);
         TEST_ASSERT_EQUAL_MEMORY(sums[0], sums[1], sizeof sums[0]);
-        TEST_ASSERT_EQUAL_MEMORY(&clip[0], &clip[1], sizeof clip[0]);
+        TEST_ASSERT_EQUAL_MEMORY(&shape[0], &shape[1], sizeof shape[0]);
     }
 }
 

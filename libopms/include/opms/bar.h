@@ -45,9 +45,10 @@ typedef struct opms_edge {
     double px[2];       /**< measured point (u, v), anywhere along the edge */
     double normal[2];   /**< unit normal of the edge in the picture, out of the square */
     double sigma_px;    /**< standard deviation along the normal, from the image noise */
-    /** Pixels by which this edge moves along its normal when the common edge shift grows by one: 1
-     * unless saturation meets edges of different blur (motion), where it is proportional to the
-     * blur. */
+    /** Pixels by which this edge moves along its normal when the common edge shift grows by one: 1,
+     * but less on the sides along X of a picture that moved or saturates. Their places tell how far
+     * out the others are only as far as the shape of the profiles is known; what they do not take
+     * part in has been taken off their px. */
     double shift_gain;
 } opms_edge_t;
 

@@ -45,9 +45,18 @@ static label_verdict_t check_labels(const opms_bar_detector_t *d, const edge_sce
 opms_bar_state_t bar_settle(opms_bar_detector_t *d, const bar_start_t *start, float contrast,
                             const opms_roi_t *roi, opms_bar_summary_t *summary)
 {
-    edge_scene_t scene = {&d->view, &d->local_lens, d->ray_limit, start->map, start->shift_px,
-                          {1, 1}, {BLUR_START_PX, BLUR_START_PX}, {0, 0}, BLUR_START_PX, 0, 0, 1,
-                          0, (double)d->view.white_level, d->kernel, 1};
+    edge_scene_t scene = {.view = &d->view,
+                          .lens = &d->local_lens,
+                          .ray_limit = d->ray_limit,
+                          .map = start->map,
+                          .shift_px = start->shift_px,
+                          .shift_gain = {1, 1},
+                          .blur_px = {BLUR_START_PX, BLUR_START_PX},
+                          .still_px = BLUR_START_PX,
+                          .clip = UNCUT,
+                          .ground_drop = 0.5,
+                          .cut_level = (double)d->view.white_level,
+                          .kernel = d->kernel};
     const map_verdict_t refined = map_refine(&scene, start->first, start->last, contrast, &d->fit);
     if (refined != MAP_FIRM) {
         d->settled = refined == MAP_UNSURE;

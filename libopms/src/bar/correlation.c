@@ -5,14 +5,15 @@
 
 #define UNKNOWN 9 /* of the fit that left the residuals: map and common shift */
 
-/* Variance of moving profiles over what the noise makes of it, from simulated pictures: of those
- * that are cut, and of those whose shape is not that of the model any more. The latter moved so far
- * along the bar that squares and cells run into each other, or, cut, across it or both ways. */
+/* Variance over what the noise makes of it, from simulated pictures: where a picture moved and
+ * white is cut; where it moved across the bar by half a square or more, since squares and code
+ * cells then run into each other; and where white is cut and the picture is blurred as by no lens
+ * in focus but no motion was found. */
 #define DOUBT_OF_CUT 1.5f
-#define DOUBT_OF_SHAPE 8.f
-#define ALONG_MOST_MM 5.5
-#define ACROSS_MOST_MM 2.0
-#define LENS_BLUR_PX 0.95 /* of a lens in focus, the most */
+#define DOUBT_OF_LONG_WAY 4.f
+#define DOUBT_OF_BLUR 8.f
+#define WAY_LONG_MM 8.0
+#define LENS_BLUR_PX 0.95
 
 /** Mean square of the residuals of groups of stretches, in units of what independent errors give:
  * one group for each side of so many neighbouring squares. */
@@ -45,24 +46,17 @@ static float group_excess(const bar_fit_t *fit, int squares)
     return total / freedom - 2.f * sqrtf(2.f / freedom);
 }
 
-/** How far the picture moved across a family of sides while the shutter was open. */
-static double way_mm(const edge_scene_t *scene, int family)
-{
-    const double blur = scene->blur_px[family], still = scene->still_px;
-    return blur > still && scene->blur_scale[family] > 0
-               ? sqrt(12 * (blur * blur - still * still)) / scene->blur_scale[family]
-               : 0;
-}
-
 static float doubt_of_motion(const edge_scene_t *scene)
 {
-    const int cut = scene->clip < 1;
-    const int both = fmin(scene->blur_px[0], scene->blur_px[1]) > LENS_BLUR_PX;
-    if (way_mm(scene, 1) > ALONG_MOST_MM ||
-        (cut && (both || way_mm(scene, 0) > ACROSS_MOST_MM))) {
-        return DOUBT_OF_SHAPE;
+    if (!scene->shaped) {
+        return 1.f;
     }
-    return cut && edge_scene_moved(scene) ? DOUBT_OF_CUT : 1.f;
+    if (edge_scene_moved(scene)) {
+        return fabs(scene->way_mm[0]) > WAY_LONG_MM ? DOUBT_OF_LONG_WAY
+               : scene->clip < 1                    ? DOUBT_OF_CUT
+                                                    : 1.f;
+    }
+    return scene->clip < 1 && scene->still_px > LENS_BLUR_PX ? DOUBT_OF_BLUR : 1.f;
 }
 
 void correlation_state(const edge_scene_t *scene, bar_fit_t *fit)

@@ -12,14 +12,19 @@ typedef struct edge_blur {
     float box, per_box; /**< 0: still */
 } edge_blur_t;
 
+/** A Gaussian blur under a box, 0 where there is none. */
+static inline edge_blur_t edge_blur_boxed(double gauss, double box)
+{
+    const edge_blur_t blur = {(float)gauss, (float)(1 / gauss), (float)box,
+                              box > 0 ? (float)(1 / box) : 0.f};
+    return blur;
+}
+
 /** Blur with a total standard deviation `sigma`, of which `still` is not from motion. */
 static inline edge_blur_t edge_blur_of(double sigma, double still)
 {
     const double box = sigma > 1.15 * still ? sqrt(12.0 * (sigma * sigma - still * still)) : 0;
-    const double gauss = box > 0 ? still : sigma;
-    const edge_blur_t blur = {(float)gauss, (float)(1 / gauss), (float)box,
-                              box > 0 ? (float)(1 / box) : 0.f};
-    return blur;
+    return edge_blur_boxed(box > 0 ? still : sigma, box);
 }
 
 #endif

@@ -2,6 +2,7 @@
 #include "bar/edge_fit.h"
 
 #include <math.h>
+#include <string.h>
 
 #include "bar/bar_code.h"
 #include "bar/side_curve.h"
@@ -16,13 +17,18 @@
 #define LINES_A_STRETCH 4         /* as many as are summed up at once */
 #define LINES_A_STRETCH_MOST 8    /* where the side has PARTS_ENOUGH of these */
 #define PARTS_ENOUGH 4
-#define LINES_A_STRETCH_CLIPPED 5
+#define LINES_A_STRETCH_SHAPED 5
 #define SCOUTING_LINES 8  /* across a side are enough to scout by, however long it is */
 #define INSIDE_BLURS                                                                               \
     3.0 /* reach of the pixels that take part, in standard deviations of the blur */
 #define OUTSIDE_BLURS 2.7
 #define GROUND_BLURS 1.4
 #define CUT_NOISE_LEAST 0.002
+#define RIM_BLURS 2.7      /* standard deviations of the lens's blur that count */
+#define TRIM_MOST 0.85
+#define STILL_PX 0.1       /* a way that is none */
+#define PANEL_BLURS 2.5    /* standard deviations of the blur that a panel of the way is long */
+#define PANELS_MOST 8
 
 typedef struct side_window {
     double inside, outside; /* px from the edge */
@@ -30,10 +36,37 @@ typedef struct side_window {
     double trim;            /* of tau at each end */
 } side_window_t;
 
+/** How a side moved in the bar's plane while the shutter was open, along X and Y: what the camera
+ * rises, the picture grows about the point that it rises from. */
+typedef struct square_way {
+    double mm[2], by_rise[2];
+} square_way_t;
+
+static square_way_t way_of(const edge_scene_t *scene, int square, int side)
+{
+    square_way_t way = {{0, 0}, {0, 0}};
+    if (scene->shaped && edge_scene_moved(scene)) {
+        const double out = side < 2 ? -BAR_HALF_SQUARE_MM : BAR_HALF_SQUARE_MM;
+        const double middle = BAR_PITCH_MM * (square - OPMS_BAR_ORIGIN);
+        const double at[2] = {side & 1 ? 0 : out, middle + (side & 1 ? out : 0)};
+        const double height = plane_map_height(&scene->map);
+        for (int axis = 0; axis < 2; ++axis) {
+            way.by_rise[axis] = (at[axis] - (axis ? scene->way_at : 0)) / height;
+            way.mm[axis] = scene->way_mm[axis] + scene->way_mm[2] * way.by_rise[axis];
+        }
+    }
+    return way;
+}
+
 /** Standard deviation of the blur where the picture has a given scale. */
-static double blur_at(const edge_scene_t *scene, int family, double px_per_mm)
+static double blur_at(const edge_scene_t *scene, const square_way_t *of, int family,
+                      double px_per_mm)
 {
     const double still = scene->still_px, total = scene->blur_px[family];
+    if (scene->shaped) {
+        const double way = of->mm[family] * px_per_mm;
+        return sqrt(still * still + way * way / 12);
+    }
     if (total <= still || !(scene->blur_scale[family] > 0)) {
         return total;
     }
@@ -51,8 +84,7 @@ static double larger(double a, double b)
     return a > b ? a : b;
 }
 
-static side_window_t window_of(const side_curve_t *curve, int side, double blur, double blur_along,
-                               int clipped)
+static side_window_t window_of(const side_curve_t *curve, int side, double blur, double blur_along)
 {
     side_window_t window;
     const double wide = OUTSIDE_BLURS * blur + 0.5;
@@ -65,42 +97,57 @@ static side_window_t window_of(const side_curve_t *curve, int side, double blur,
         /* Beyond the bar's border lies the ground, of unknown brightness. It is modelled as far as
          * its edge goes, since farther out lie the bar's side, its shadow and grass. */
         const double border = curve->border_px;
-        if (clipped) {
-            window.outside = lesser(wide, larger(border - 2.2 * blur, 0.4 * border));
-        } else {
-            window.outside = lesser(wide, border + GROUND_BLURS * blur);
-            window.ground = border < wide + 2.2 * blur ? border : 0;
-        }
+        window.outside = lesser(wide, border + GROUND_BLURS * blur);
+        window.ground = border < wide + 2.2 * blur ? border : 0;
     }
     window.trim = lesser(0.5, 0.5 * blur_along / curve->half_px);
     return window;
 }
 
-/** What the model of saturated white needs besides. */
-static void add_clipped(const edge_scene_t *scene, int side, const side_curve_t *curve,
-                        double sigma_along, double along_px, side_model_t *model)
+/** Keep what a moving picture smears into its neighbour's pixels out of the window: the next
+ * square, and, along the side, code cells or the border. */
+static void narrow_window(const edge_scene_t *scene, const square_way_t *way, int side,
+                          const side_curve_t *curve, double along_px, side_window_t *window)
 {
     const int family = side & 1;
-    const double still = scene->still_px, total = scene->blur_px[family];
+    const double scale = curve->px_per_mm, rim = RIM_BLURS * scene->still_px;
+    const double across = 0.5 * fabs(way->mm[family]) * scale + rim;
+    const double along = 0.5 * fabs(way->mm[!family]) + rim / along_px;
+    const double square_px = 2 * BAR_HALF_SQUARE_MM * scale, pitch_px = BAR_PITCH_MM * scale;
+    window->inside = lesser(window->inside, larger(square_px - across, 1.0));
+    if (family) {
+        window->outside = lesser(window->outside, larger(pitch_px - square_px - across, 1.0));
+    }
+    const double border_mm = family ? BAR_HALF_WIDTH_MM : BAR_HALF_SQUARE_MM + BAR_CELL_GAP_MM;
+    const double part = (border_mm - along) / BAR_HALF_SQUARE_MM;
+    window->trim = lesser(TRIM_MOST, larger(window->trim, 1 - part));
+}
+
+/** What the model of cut white and of motion needs besides. */
+static void add_shape(const edge_scene_t *scene, const square_way_t *way, int side,
+                      const side_curve_t *curve, double along_px, side_model_t *model)
+{
+    const int family = side & 1;
+    const double still = scene->still_px, out = side < 2 ? -1 : 1;
+    memset(&model->levels, 0, sizeof model->levels);
+    const double way_px = way->mm[family] * curve->px_per_mm;
+    const double along_way_px = way->mm[!family] * along_px;
+    const double whole = sqrt(way_px * way_px + along_way_px * along_way_px);
+    const double box = fabs(way_px) > STILL_PX ? fabs(way_px) : 0;
     model->per_cut_noise = (float)(1 / fmax(CUT_NOISE_LEAST, scene->cut_noise * scene->clip));
     model->family = family;
-    model->blur_along = edge_blur_of(sigma_along, still);
-    model->along_px = (float)along_px;
-    model->box_by_total = model->box_by_still = 0;
-    model->cross = model->cross_by = 0;
-    if (model->blur.box > 0.f && scene->blur_scale[family] > 0) {
-        /* box^2 = 12 (total^2 - still^2) at the scale at which these hold */
-        const double ratio = curve->px_per_mm / scene->blur_scale[family];
-        const double box = sqrt(12 * (total * total - still * still));
-        model->box_by_total = (float)(ratio * 12 * total / box);
-        model->box_by_still = (float)(-ratio * 12 * still / box);
-    }
-    if (edge_scene_moved(scene) && scene->blur_scale[0] > 0 && scene->blur_scale[1] > 0) {
-        const double area =
-            curve->px_per_mm * along_px / (scene->blur_scale[0] * scene->blur_scale[1]);
-        model->cross_by = (float)(side < 2 ? -area : area);
-        model->cross = (float)scene->cross_px2 * model->cross_by;
-    }
+    model->blur = edge_blur_boxed(still, box);
+    model->sigma = (float)still;
+    model->per_sigma = (float)(1 / still);
+    model->along_scale = (float)(along_px / still);
+    model->lean = (float)side_curve_lean(curve);
+    model->way_px = (float)(out * way_px);
+    model->way_by = (float)(out * curve->px_per_mm);
+    model->way_mm = (float)way->mm[!family];
+    model->rise_across = (float)way->by_rise[family];
+    model->rise_along = (float)way->by_rise[!family];
+    const double panels = 1 + whole / (PANEL_BLURS * still);
+    model->panels = whole > STILL_PX ? (int)lesser(panels, PANELS_MOST) : 0;
 }
 
 /** One side of a square, as it is looked at. */
@@ -108,6 +155,7 @@ typedef struct side_look {
     const edge_scene_t *scene;
     const side_curve_t *curve;
     int side;
+    square_way_t way;
     float shift;            /* outward, where the edge is expected beyond the curve */
     side_window_t window;
     side_model_t model;
@@ -123,13 +171,17 @@ typedef struct side_look {
 static void model_of(const edge_scene_t *scene, int square, side_look_t *look)
 {
     const side_curve_t *curve = look->curve;
-    const int family = look->side & 1, clipped = scene->clip < 1;
+    const int family = look->side & 1;
     const double *a = curve->along_mm;
     const double along_px = 1 / sqrt(a[0] * a[0] + a[1] * a[1]); /* per mm, square to the ends */
-    const double sigma = blur_at(scene, family, curve->px_per_mm);
-    const double sigma_along = blur_at(scene, !family, along_px), still = scene->still_px;
+    const double sigma = blur_at(scene, &look->way, family, curve->px_per_mm);
+    const double sigma_along = blur_at(scene, &look->way, !family, along_px);
+    const double still = scene->still_px;
     look->shift = (float)(scene->shift_px * scene->shift_gain[family]);
-    look->window = window_of(curve, look->side, sigma, sigma_along, clipped);
+    look->window = window_of(curve, look->side, sigma, sigma_along);
+    if (scene->shaped && edge_scene_moved(scene)) {
+        narrow_window(scene, &look->way, look->side, curve, along_px, &look->window);
+    }
     side_model_t *model = &look->model;
     model->blur = edge_blur_of(sigma, still);
     model->sigma = (float)sigma;
@@ -141,12 +193,13 @@ static void model_of(const edge_scene_t *scene, int square, side_look_t *look)
     model->cells = family ? bar_gap_cells(square, look->side == 3 ? 1 : -1) : 0;
     model->cell_near = (float)(BAR_CELL_GAP_MM * curve->px_per_mm) - 2.f * look->shift;
     model->cell_far = (float)((BAR_CELL_GAP_MM + BAR_CELL_Y_MM) * curve->px_per_mm);
+    model->ground_drop = (float)scene->ground_drop;
     model->ground = (float)look->window.ground;
     model->clip = (float)scene->clip;
     model->white_level = (float)scene->view->white_level;
     model->cut_level = (float)scene->cut_level;
-    if (clipped) {
-        add_clipped(scene, look->side, curve, sigma_along, along_px, model);
+    if (scene->shaped) {
+        add_shape(scene, &look->way, look->side, curve, along_px, model);
     }
 }
 
@@ -254,8 +307,8 @@ static int parts_of(const side_look_t *look)
 {
     const int most = OPMS_BAR_EDGES_PER_SIDE, count = look->count;
     int parts;
-    if (look->scene->clip < 1) {
-        parts = (count + LINES_A_STRETCH_CLIPPED / 2) / LINES_A_STRETCH_CLIPPED;
+    if (look->scene->shaped) {
+        parts = (count + LINES_A_STRETCH_SHAPED / 2) / LINES_A_STRETCH_SHAPED;
     } else {
         const int short_ones = (count + LINES_A_STRETCH - 1) / LINES_A_STRETCH;
         const int long_ones = (count + LINES_A_STRETCH_MOST - 1) / LINES_A_STRETCH_MOST;
@@ -297,14 +350,17 @@ static int fit_two(side_look_t *look, int square, int part, int parts, const gre
 }
 
 /** One stretch of a picture whose white saturates; returns whether it has an edge. */
-static int fit_clipped(side_look_t *look, int square, int part, int parts,
-                       const stretch_place_t *out)
+static int fit_shaped(side_look_t *look, int square, int part, int parts,
+                       const grey_levels_t *levels, const stretch_place_t *out)
 {
+    if (look->scene->clip >= 1) {
+        look->model.levels = *levels;
+    }
     const int from = look->count * part / parts, to = look->count * (part + 1) / parts;
     const double tau = gather_lines(look, from, to, &look->lines[0]);
     out->stretch->expected_px = look->shift;
     if (look->lines[0].count == 0 ||
-        !look->scene->kernel->fit_clipped(&look->model, &look->lines[0], out->stretch, out->clip)) {
+        !look->scene->kernel->fit_shaped(&look->model, &look->lines[0], out->stretch, out->shape)) {
         return 0;
     }
     place_stretch(look->curve, square, look->side, tau, out->stretch);
@@ -318,11 +374,11 @@ static int fit_side(side_look_t *look, int square, const grey_levels_t *levels,
     if (!lines_of(look->scene, look)) {
         return 0;
     }
-    const int parts = parts_of(look), clipped = look->scene->clip < 1;
+    const int parts = parts_of(look), shaped = look->scene->shaped;
     int found = 0;
-    for (int part = 0; part < parts; part += clipped ? 1 : 2) {
-        const stretch_place_t place = {out->stretch + found, out->sums + found, out->clip + found};
-        found += clipped ? fit_clipped(look, square, part, parts, &place)
+    for (int part = 0; part < parts; part += shaped ? 1 : 2) {
+        const stretch_place_t place = {out->stretch + found, out->sums + found, out->shape + found};
+        found += shaped ? fit_shaped(look, square, part, parts, levels, &place)
                          : fit_two(look, square, part, parts, levels, &place);
     }
     return found;
@@ -343,10 +399,11 @@ int edge_fit_square(const edge_scene_t *scene, int square, const grey_levels_t *
         }
         look.curve = &curve[side];
         look.side = side;
+        look.way = way_of(scene, square, side);
         const int found = fit_side(&look, square, levels, &place);
         place.stretch += found;
         place.sums += found;
-        place.clip += found;
+        place.shape += found;
         count += found;
     }
     return count;

@@ -4,6 +4,8 @@
 #ifndef OPMS_BAR_EDGE_FIT_H
 #define OPMS_BAR_EDGE_FIT_H
 
+#include <math.h>
+
 #include <opms/bar.h>
 
 #include "bar/plane_map.h"
@@ -22,18 +24,29 @@ typedef struct edge_scene {
     double blur_scale[2]; /**< px per mm across those sides where the blur is as stated: what of it
                              comes from motion grows with the scale */
     double still_px;   /**< what of the blur does not come from motion */
-    double cross_px2;  /**< covariance of the motion along X and along Y, px, at blur_scale */
     int still;         /**< the picture is known not to have moved: one blur for all sides */
-    double clip;       /**< part of the true contrast at which white is cut, 1 if it is not */
+    int shaped;        /**< profiles are modelled with cut white and motion: what follows holds */
+    double way_mm[3];  /**< of the picture over the bar while the shutter was open, along X and Y at
+                            way_at, and what the camera rose: then the picture grows */
+    double way_at;     /**< Y, mm */
+    double clip;       /**< part of the true contrast at which white is cut, UNCUT if it is not */
+    double ground_drop; /**< how much darker than white the ground is, part of the true contrast;
+                             used where white is cut */
     double cut_noise;  /**< of grey levels, over the contrast that saturation leaves */
     double cut_level;  /**< lighter pixels are cut at this grey level, at most that of saturation */
     const struct stretch_kernel *kernel;
     int scouting;      /**< a few lines of pixels across a side are enough */
 } edge_scene_t;
 
-/** Do the families' blurs differ for certain? */
+#define UNCUT 2.0 /* a clip that no coverage reaches */
+
+/** Did the picture move? Before its profiles are shaped: do the families' blurs differ for
+ * certain? */
 static inline int edge_scene_moved(const edge_scene_t *scene)
 {
+    if (scene->shaped) {
+        return fabs(scene->way_mm[0]) + fabs(scene->way_mm[1]) > 0;
+    }
     const double a = scene->blur_px[0], b = scene->blur_px[1];
     return a > 1.18 * b || b > 1.18 * a;
 }
@@ -79,22 +92,22 @@ typedef struct fit_sums {
     float n;
 } fit_sums_t;
 
-/** What a stretch tells of the shape that saturated profiles share: logarithm of the clip, and the
- * blur of either family, blur but for motion, motion along and across the bar at once. */
-enum { CLIP_LOG, CLIP_BLUR, CLIP_STILL = CLIP_BLUR + 2, CLIP_CROSS, CLIP_SHAPE };
+/** What a stretch tells of the shape that all profiles share: logarithm of the clip, blur but for
+ * motion, the ways along X, Y and Z, the ground's drop. */
+enum { SHAPE_CLIP, SHAPE_STILL, SHAPE_WAY, SHAPE_GROUND = SHAPE_WAY + 3, SHAPES };
 
-typedef struct clip_info {
-    float weight[CLIP_SHAPE][CLIP_SHAPE]; /**< normal equations, lower triangle, for noise 1; */
-    float slope[CLIP_SHAPE];              /**< step = weight^-1 slope */
-    float by[CLIP_SHAPE];                 /**< derivative of the offset */
-} clip_info_t;
+typedef struct shape_info {
+    float weight[SHAPES][SHAPES]; /**< normal equations, lower triangle, for noise 1; */
+    float slope[SHAPES];              /**< step = weight^-1 slope */
+    float by[SHAPES];                 /**< derivative of the offset */
+} shape_info_t;
 
 /** One stretch of a side, as fitted. */
 typedef struct stretch {
     int16_t square, side;
     uint16_t pixels;
     uint16_t saturated;   /**< pixels at the white level */
-    uint8_t clipped, ground, cells; /**< the model has saturated white, the ground, cells in it */
+    uint8_t shaped, ground, cells; /**< with cut white and motion; the ground, cells in its model */
     float expected_px;    /**< offset at which the sums were taken */
     float along_mm;       /**< position of its middle along the side */
     float normal[2];      /**< outward, unit */
@@ -114,8 +127,8 @@ typedef struct stretch {
 /** Where stretches are written to, one array for each of what is used at different times. */
 typedef struct stretch_place {
     stretch_t *stretch;
-    fit_sums_t *sums;  /**< of those that are not `clipped` */
-    clip_info_t *clip; /**< of those that are */
+    fit_sums_t *sums;  /**< of those that are not `shaped` */
+    shape_info_t *shape; /**< of those that are */
 } stretch_place_t;
 
 /** Measure the visible stretches of one square's four sides.

@@ -8,7 +8,7 @@
 #include "algebra/spd.h"
 #include "algebra/wide_doubles.h"
 #include "bar/bar_code.h"
-#include "bar/clip_fit.h"
+#include "bar/shaped_fit.h"
 #include "bar/plane_map_wide.h"
 
 #define SCALE_SAMPLE 160
@@ -24,14 +24,14 @@ static void write_equation(const edge_scene_t *scene, const bar_fit_t *fit, int 
                            fit_columns_t *columns)
 {
     const stretch_t *s = &fit->stretch[i];
-    const int clipped = scene->clip < 1;
-    const double cells = clipped ? 0 : (double)s->by_cells;
+    const int shaped = scene->shaped;
+    const double cells = shaped ? 0 : (double)s->by_cells;
     columns->by[MAP_UNKNOWNS][at] = scene->shift_gain[s->side & 1] * (1 + cells);
-    if (clipped) {
-        float shape[CLIP_UNKNOWNS];
-        clip_row(&fit->clip[i], shape);
-        for (int k = 0; k < CLIP_UNKNOWNS; ++k) {
-            columns->by[MAP_UNKNOWNS + k][at] = (double)shape[k];
+    if (shaped) {
+        float row[SHAPED_UNKNOWNS];
+        shaped_row(&fit->shape[i], row);
+        for (int k = 0; k < SHAPED_UNKNOWNS; ++k) {
+            columns->by[MAP_UNKNOWNS + k][at] = (double)row[k];
         }
     }
     columns->stretch[at] = (uint16_t)i;
@@ -50,7 +50,7 @@ WIDE_INLINE void place_of(const edge_scene_t *scene, const stretch_t *s, int lan
     const double square_y = BAR_PITCH_MM * (s->square - OPMS_BAR_ORIGIN);
     const int along_y = s->side == 0 || s->side == 2;
     const double out = (s->side < 2 ? -BAR_HALF_SQUARE_MM : BAR_HALF_SQUARE_MM);
-    const double answer = scene->clip < 1 ? 1 : 1 - (double)s->by_cells;
+    const double answer = scene->shaped ? 1 : 1 - (double)s->by_cells;
     four->x_mm[lane] = along_y ? out : (double)s->along_mm;
     four->y_mm[lane] = square_y + (along_y ? (double)s->along_mm : out);
     four->nu[lane] = (double)s->normal[0] * answer;
@@ -195,8 +195,8 @@ static int fit_robustly(const edge_scene_t *scene, bar_fit_t *fit,
     for (int round = 0; round < ROUNDS; ++round) {
         double normal[FIT_UNKNOWNS_MOST * FIT_UNKNOWNS_MOST] = {0}, rhs[FIT_UNKNOWNS_MOST] = {0};
         sum_normal(fit, *scale, normal, rhs);
-        if (scene->clip < 1) {
-            clip_know(scene, fit, normal, rhs, n);
+        if (scene->shaped) {
+            shaped_know(scene, fit, normal, rhs, n);
         }
         for (int j = 0; j < n; ++j) {
             normal[n * j + j] *= 1 + 1e-9;
@@ -237,7 +237,7 @@ int map_fit(const edge_scene_t *scene, bar_fit_t *fit, double change[FIT_UNKNOWN
     for (int at = 0; at < fit->columns.count; ++at) {
         const int i = fit->columns.stretch[at];
         fit->residual[i] = (float)fit->columns.residual[at];
-        if (scene->clip >= 1) {
+        if (!scene->shaped) {
             correct_cells(fit, change, at, &fit->stretch[i]);
         }
     }

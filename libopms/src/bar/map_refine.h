@@ -9,7 +9,7 @@
 #include "bar/edge_fit.h"
 
 #define MAP_UNKNOWNS 8
-#define FIT_UNKNOWNS_MOST 14
+#define FIT_UNKNOWNS_MOST 15
 
 typedef enum map_verdict {
     MAP_LOST, /**< too few stretches agree */
@@ -34,7 +34,7 @@ typedef struct bar_fit {
     grey_levels_t levels;
     stretch_t stretch[OPMS_BAR_EDGES_MAX];
     fit_sums_t sums[OPMS_BAR_EDGES_MAX];
-    clip_info_t clip[OPMS_BAR_EDGES_MAX];
+    shape_info_t shape[OPMS_BAR_EDGES_MAX];
     float residual[OPMS_BAR_EDGES_MAX]; /**< offset from the fitted map, px */
     float sigma[OPMS_BAR_EDGES_MAX];    /**< px */
     uint8_t good[OPMS_BAR_EDGES_MAX];

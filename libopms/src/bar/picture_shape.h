@@ -6,6 +6,8 @@
 
 #include "bar/map_refine.h"
 
+#define SHAPE_SATURATED_LEAST 0.05 /* part of these pixels that makes white saturated */
+
 /** Part of the pixels next to the sides that is saturated. */
 double shape_saturated_part(const bar_fit_t *fit);
 

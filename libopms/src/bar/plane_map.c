@@ -89,3 +89,21 @@ void plane_map_relabel(plane_map_t *map, int turn, double shift_mm)
     }
     map->y0_mm += shift_mm;
 }
+
+double plane_map_height(const plane_map_t *map)
+{
+    const double *h = map->h;
+    double normal[3], x2 = 0, y2 = 0, depth = 0;
+    for (int i = 0; i < 3; ++i) {
+        const int j = 3 * ((i + 1) % 3), k = 3 * ((i + 2) % 3);
+        normal[i] = h[j] * h[k + 1] - h[k] * h[j + 1];
+        x2 += h[3 * i] * h[3 * i];
+        y2 += h[3 * i + 1] * h[3 * i + 1];
+    }
+    for (int i = 0; i < 3; ++i) {
+        depth -= normal[i] * h[3 * i + 2];
+    }
+    /* Either axis has a length per mm; they differ as far as the map is not that of a camera. */
+    const double x = sqrt(x2), y = sqrt(y2);
+    return depth / (x * y * 0.5 * (x / PLANE_MAP_X_MM + y / map->scale_mm));
+}

@@ -31,6 +31,9 @@ int plane_map_fit(plane_map_t *map, const plane_pair_t *pairs, int count);
 int plane_map_project(const plane_map_t *map, const opms_lens_t *lens, double ray_limit,
                       double x_mm, double y_mm, double px[2], double *jac);
 
+/** Distance of the camera from the plane, mm; its sign is that of Z. */
+double plane_map_height(const plane_map_t *map);
+
 /** Rename the plane's coordinates: Y becomes Y + shift; with `turn`, X becomes -X and Y shift - Y.
  */
 void plane_map_relabel(plane_map_t *map, int turn, double shift_mm);

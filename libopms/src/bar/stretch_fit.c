@@ -11,15 +11,15 @@
  * ground begins, of unknown brightness: one more step, k, with a height of its own. One more
  * regressor, h, the derivative of w by the blur, is not solved for here: what it would explain of
  * the residual is handed on, and summed over the picture by the caller. So is what an error of the
- * blur, and of the place of the code cells, makes of the offset. Pictures whose white
- * saturates are left to stretch_clip.c. */
+ * blur, and of the place of the code cells, makes of the offset. Pictures that moved or whose white
+ * saturates are left to stretch_shaped.c. */
 
 #define PIXELS_LEAST 10
 
 const stretch_kernel_t *stretch_kernel(int wide)
 {
-    static const stretch_kernel_t plain = {stretch_sum_plain, stretch_clip_plain};
-    static const stretch_kernel_t avx2 = {stretch_sum_avx2, stretch_clip_avx2};
+    static const stretch_kernel_t plain = {stretch_sum_plain, stretch_shaped_plain};
+    static const stretch_kernel_t avx2 = {stretch_sum_avx2, stretch_shaped_avx2};
     return wide && wide_has_avx2() ? &avx2 : &plain;
 }
 
@@ -141,7 +141,7 @@ static float level_variance(const fit_moments_t *m, const fit_sums_t *sums, doub
 
 int stretch_solve(const grey_levels_t *levels, const fit_sums_t *sums, stretch_t *out)
 {
-    if (out->clipped) {
+    if (out->shaped) {
         return 1; /* solved at once, and no level of white is to be had */
     }
     const double pixels = (double)sums->n;

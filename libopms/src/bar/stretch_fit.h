@@ -18,18 +18,20 @@ typedef struct side_model {
     float sigma, per_sigma; /**< standard deviation of that blur, and 1 / it */
     float end_at; /**< where the side ends, mm from its middle, the common shift included */
     float along_scale;     /**< standard deviations of the blur along the side, per mm of it */
-    edge_blur_t blur_along; /**< that blur */
-    float along_px;         /**< px per mm of the side */
     float per_cut_noise;    /**< 1 / the noise at the level where white is cut, coverages */
     int family;             /**< of the side, as in edge_scene_t */
-    float cross, cross_by;  /**< covariance of the motion across the side and along it, px^2, and
-                                 its derivative by that of the scene */
-    float box_by_total, box_by_still; /**< derivatives of blur.box */
+    grey_levels_t levels;   /**< where they are known and white is not cut */
+    float way_px, way_by;   /**< way of the side outwards while the shutter was open, and its
+                                 derivative by that of the scene */
+    float way_mm;           /**< and along itself */
+    float rise_across, rise_along; /**< of either by what the camera rises */
+    int panels;             /**< into as many is the way divided, 0 if it did not move */
     float lean;            /**< correlation of the blur across the side and along it: what a
                                 corner is off the right angle in the picture */
     unsigned cells;        /**< black code cells beyond the gap, bar_gap_cells(); 0 for none */
     float cell_near, cell_far; /**< distance of the cells' two borders, px */
     float ground;          /**< distance of the bar's border, px; 0 where it is out of reach */
+    float ground_drop;     /**< of the ground from white, part of the true contrast; where cut */
     float clip; /**< part of the contrast at which white saturates, 1 where it does not */
     float white_level;     /**< grey level of a saturated pixel */
     float cut_level;       /**< lighter pixels are cut at this grey level where `clip` is below 1 */
@@ -72,8 +74,8 @@ typedef struct stretch_kernel {
     void (*sum)(const side_model_t *model, const fit_lines_t lines[2], stretch_t *const out[2],
                 fit_sums_t *const sums[2]);
     /** Fit a stretch of a picture whose white saturates; 0 where it has no edge to be placed. */
-    int (*fit_clipped)(const side_model_t *model, const fit_lines_t *lines, stretch_t *out,
-                       clip_info_t *clip);
+    int (*fit_shaped)(const side_model_t *model, const fit_lines_t *lines, stretch_t *out,
+                       shape_info_t *shape);
 } stretch_kernel_t;
 
 /** The kernel for the widest registers that this machine has, or, not `wide`, that all have. */
@@ -83,9 +85,9 @@ void stretch_sum_plain(const side_model_t *model, const fit_lines_t lines[2],
                        stretch_t *const out[2], fit_sums_t *const sums[2]);
 void stretch_sum_avx2(const side_model_t *model, const fit_lines_t lines[2],
                       stretch_t *const out[2], fit_sums_t *const sums[2]);
-int stretch_clip_plain(const side_model_t *model, const fit_lines_t *lines, stretch_t *out,
-                       clip_info_t *clip);
-int stretch_clip_avx2(const side_model_t *model, const fit_lines_t *lines, stretch_t *out,
-                      clip_info_t *clip);
+int stretch_shaped_plain(const side_model_t *model, const fit_lines_t *lines, stretch_t *out,
+                       shape_info_t *shape);
+int stretch_shaped_avx2(const side_model_t *model, const fit_lines_t *lines, stretch_t *out,
+                      shape_info_t *shape);
 
 #endif

@@ -283,7 +283,7 @@ WIDE_INLINE void sum_two(const side_model_t *model, const fit_lines_t lines[2],
         }
         sums[half]->n = (float)pixels_of(&lines[half]);
         out[half]->saturated = (uint16_t)saturated;
-        out[half]->clipped = 0;
+        out[half]->shaped = 0;
         out[half]->ground = model->ground > 0.f;
         out[half]->cells = (uint8_t)cells;
     }
