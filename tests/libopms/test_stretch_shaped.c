@@ -97,7 +97,7 @@ static side_model_t model_of(const side_t *side)
     model.way_px = (float)side->way_px;
     model.way_by = 1.f;
     model.way_mm = (float)side->way_mm;
-    model.panels = whole > 0 ? 1 + (int)(whole / (2.5 * side->sigma_px)) : 0;
+    model.panels = whole > 0 ? 1 + (int)(whole / (3.2 * side->sigma_px)) : 0;
     model.ground = (float)side->ground_px;
     model.ground_drop = (float)side->drop;
     model.clip = (float)side->clip;

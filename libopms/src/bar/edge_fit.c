@@ -27,7 +27,7 @@
 #define RIM_BLURS 2.7      /* standard deviations of the lens's blur that count */
 #define TRIM_MOST 0.85
 #define STILL_PX 0.1       /* a way that is none */
-#define PANEL_BLURS 2.5    /* standard deviations of the blur that a panel of the way is long */
+#define PANEL_BLURS 3.2    /* standard deviations of the blur that a panel of the way is long */
 #define PANELS_MOST 8
 
 typedef struct side_window {

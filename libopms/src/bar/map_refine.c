@@ -22,6 +22,7 @@
 #define SHAPED_SQUARES 8
 #define LENS_BLUR_PX 1.0 /* of a lens in focus, the most */
 #define MOVED_BETTER 0.1 /* less misfit with motion than without, for a picture to have moved */
+#define ALONG_CLEAR 4.0   /* way along the bar over that across it, for its sign not to matter */
 #define CLIP_CLEAR 0.4
 #define SCOUTED_PX 0.2f      /* movement after which all squares are measured */
 #define SCOUTED_BLUR 0.06f
@@ -145,10 +146,13 @@ static void try_ways(edge_scene_t from, const scouting_t *before, float contrast
                      shaped_trial_t *best)
 {
     const double half_mm = 0.5 * BAR_PITCH_MM * (before->to - before->from + 1);
+    const double *way = best->scene.way_mm;
     try_shape(&from, before, contrast, fit, best);
+    if (best->any && best->scouting.settled && fabs(way[1]) > ALONG_CLEAR * fabs(way[0])) {
+        return; /* which way it moved across hardly shows */
+    }
     shaped_mirror(&from);
     try_shape(&from, before, contrast, fit, best);
-    const double *way = best->scene.way_mm;
     if (!best->any || fabs(way[1]) < 2 * fabs(way[0])) {
         shaped_fan(&from, half_mm);
         try_shape(&from, before, contrast, fit, best);
