@@ -15,7 +15,7 @@
  * which black level, contrast and a small displacement are solved for by linear least squares. */
 
 #define LINES_A_STRETCH 4         /* as many as are summed up at once */
-#define LINES_A_STRETCH_MOST 8    /* where the side has PARTS_ENOUGH of these */
+#define LINES_A_STRETCH_MOST 12   /* where the side has PARTS_ENOUGH of these */
 #define PARTS_ENOUGH 4
 #define LINES_A_STRETCH_SHAPED 5
 #define SCOUTING_LINES 8  /* across a side are enough to scout by, however long it is */
@@ -313,12 +313,24 @@ static int parts_of(const side_look_t *look)
         const int short_ones = (count + LINES_A_STRETCH - 1) / LINES_A_STRETCH;
         const int long_ones = (count + LINES_A_STRETCH_MOST - 1) / LINES_A_STRETCH_MOST;
         const int enough = short_ones < PARTS_ENOUGH ? short_ones : PARTS_ENOUGH;
-        parts = enough > long_ones ? enough : long_ones;
+        parts = enough > long_ones ? enough : long_ones + long_ones % 2;
     }
     return parts < 1 ? 1 : parts > most ? most : parts;
 }
 
-/** Stretches `part` and the one behind it; returns how many have an edge. */
+/** The first line of a stretch. Lines are summed up LINES_A_STRETCH at once, of two stretches side
+ * by side: for few places to stay empty, each has one such group or more, and those around the
+ * middle have those left over. */
+static int first_line(const side_look_t *look, int part, int parts)
+{
+    const int groups = (look->count + LINES_A_STRETCH - 1) / LINES_A_STRETCH;
+    const int each = groups / parts, more = groups % parts, from = (parts - more) / 2;
+    const int before = part < from ? 0 : part > from + more ? more : part - from;
+    return look->count * (part * each + before) / groups;
+}
+
+/** Stretch `part` and the one as far from the other end: so those with a corner in reach are
+ * together. Returns how many have an edge. */
 static int fit_two(side_look_t *look, int square, int part, int parts, const grey_levels_t *levels,
                    const stretch_place_t *out)
 {
@@ -326,9 +338,11 @@ static int fit_two(side_look_t *look, int square, int part, int parts, const gre
     stretch_t *stretch[2];
     fit_sums_t *sums[2];
     for (int i = 0; i < 2; ++i) {
-        const int from = look->count * (part + i) / parts;
-        const int to = look->count * (part + i + 1) / parts;
-        tau[i] = gather_lines(look, from, part + i < parts ? to : from, &look->lines[i]);
+        const int number = i == 0 ? part : parts - 1 - part;
+        const int twice = i == 1 && number == part;
+        const int from = first_line(look, number, parts);
+        const int to = twice ? from : first_line(look, number + 1, parts);
+        tau[i] = gather_lines(look, from, to, &look->lines[i]);
         stretch[i] = &out->stretch[i];
         sums[i] = &out->sums[i];
         stretch[i]->expected_px = look->shift;
@@ -376,7 +390,7 @@ static int fit_side(side_look_t *look, int square, const grey_levels_t *levels,
     }
     const int parts = parts_of(look), shaped = look->scene->shaped;
     int found = 0;
-    for (int part = 0; part < parts; part += shaped ? 1 : 2) {
+    for (int part = 0; part < (shaped ? parts : (parts + 1) / 2); ++part) {
         const stretch_place_t place = {out->stretch + found, out->sums + found, out->shape + found};
         found += shaped ? fit_shaped(look, square, part, parts, levels, &place)
                          : fit_two(look, square, part, parts, levels, &place);
