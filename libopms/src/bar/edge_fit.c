@@ -34,7 +34,10 @@ typedef struct side_window {
     double inside, outside; /* px from the edge */
     double ground;          /* distance of the bar's border, 0 where it plays no part */
     double trim;            /* of tau at each end */
+    double along_most;      /* mm from the side's middle */
 } side_window_t;
+
+#define ANYWHERE_MM 1e6
 
 /** How a side moved in the bar's plane while the shutter was open, along X and Y: what the camera
  * rises, the picture grows about the point that it rises from. */
@@ -101,6 +104,7 @@ static side_window_t window_of(const side_curve_t *curve, int side, double blur,
         window.ground = border < wide + 2.2 * blur ? border : 0;
     }
     window.trim = lesser(0.5, 0.5 * blur_along / curve->half_px);
+    window.along_most = ANYWHERE_MM;
     return window;
 }
 
@@ -119,7 +123,9 @@ static void narrow_window(const edge_scene_t *scene, const square_way_t *way, in
         window->outside = lesser(window->outside, larger(pitch_px - square_px - across, 1.0));
     }
     const double border_mm = family ? BAR_HALF_WIDTH_MM : BAR_HALF_SQUARE_MM + BAR_CELL_GAP_MM;
-    const double part = (border_mm - along) / BAR_HALF_SQUARE_MM;
+    /* Where squares lean in the picture, lines of pixels run along the side, too. */
+    window->along_most = border_mm - along;
+    const double part = window->along_most / BAR_HALF_SQUARE_MM;
     window->trim = lesser(TRIM_MOST, larger(window->trim, 1 - part));
 }
 
@@ -238,6 +244,18 @@ static int lines_of(const edge_scene_t *scene, side_look_t *look)
     return look->count >= 2;
 }
 
+/** Keep the positions along the side within the window: `low` to `high`, px from the edge. */
+static void limit_along(const side_window_t *window, double at_edge, double per_px, double *low,
+                        double *high)
+{
+    if (window->along_most < ANYWHERE_MM && per_px != 0) {
+        const double a = (-window->along_most - at_edge) / per_px;
+        const double b = (window->along_most - at_edge) / per_px;
+        *low = larger(*low, lesser(a, b));
+        *high = lesser(*high, larger(a, b));
+    }
+}
+
 /** One line of pixels; 0 where its window leaves the picture. */
 static int line_at(const side_look_t *look, int main, double tau, fit_line_t *line)
 {
@@ -245,17 +263,19 @@ static int line_at(const side_look_t *look, int main, double tau, fit_line_t *li
     const view_t *view = look->scene->view;
     const int m = curve->along_axis, c = 1 - m;
     const double edge = curve->p0[c] + tau * (curve->p1[c] + tau * curve->p2[c]);
-    const double start = edge - look->before;
-    if (!(start > 0 && start < look->across_size)) {
+    const double along_mm = curve->along_mm[c] + tau * curve->along_turn[c];
+    double low = -look->before, high = look->span - look->before;
+    limit_along(&look->window, BAR_HALF_SQUARE_MM * tau, along_mm, &low, &high);
+    const double start = edge + low, end = edge + high;
+    if (!(start > 0 && start < look->across_size && end > 0)) {
         return 0;
     }
-    const int first = (int)start + (start > (int)start), last = (int)(start + look->span);
+    const int first = (int)start + (start > (int)start), last = (int)end;
     if (first < 1 || last > look->across_size - 2 || last < first ||
         last - first >= LINE_PIXELS_MAX) {
         return 0;
     }
     const double from_edge = first - edge;
-    const double along_mm = curve->along_mm[c] + tau * curve->along_turn[c];
     const ptrdiff_t pixel = view->wide ? 2 : 1;
     line->first = m == 1 ? view->base + main * view->stride + first * pixel
                          : view->base + first * view->stride + main * pixel;

@@ -34,6 +34,7 @@
 #define UNSETTLED_SHAPED 0.05f
 #define PASSES_MOST 16
 #define SETTLED_PX 0.01f   /* movement after which no further pass is needed */
+#define SWINGING_PASSES 5  /* after which pixels that come and go may be all that moves */
 #define LINEAR_PX 0.045f     /* and where the offsets answer a movement to first order */
 #define LINEAR_BLUR 0.01f
 #define CUT_LOWER 0.75      /* of the contrast that saturation left */
@@ -97,9 +98,9 @@ static int scout(edge_scene_t *scene, int passes, int until_cut, float contrast,
             scouting->settled = result->blurred_px < SCOUTED_BLUR || pass >= 5;
             continue;
         }
-        scouting->settled =
-            known && result->moved_px < (scene->shaped ? COMPARED_PX : SCOUTED_PX) &&
-            result->blurred_px < (scene->shaped ? COMPARED_BLUR : SCOUTED_BLUR);
+        const int compared = scene->shaped && pass < SWINGING_PASSES;
+        scouting->settled = known && result->moved_px < (compared ? COMPARED_PX : SCOUTED_PX) &&
+                            result->blurred_px < (compared ? COMPARED_BLUR : SCOUTED_BLUR);
     }
     return 1;
 }
@@ -211,15 +212,19 @@ static void cut_lower(edge_scene_t *scene, bar_fit_t *fit)
     scene->clip *= CUT_LOWER;
 }
 
-/** Is no further pass needed? Offsets of a picture that stood still and is not saturated are right
- * to first order in what a pass finds; in others a pass builds on the last one's shape. */
-static int has_settled(const edge_scene_t *scene, const pass_result_t *result)
+/** Is no further pass needed after so many? Offsets of a picture that stood still and is not
+ * saturated are right to first order in what a pass finds; in others a pass builds on the last
+ * one's shape. If they moved, a pixel at a window's end can swing that to and fro; where white is
+ * cut, what moves after many passes is rather a slow approach. */
+static int has_settled(const edge_scene_t *scene, const pass_result_t *result, int passes)
 {
     if (!scene->shaped && !edge_scene_moved(scene)) {
         return result->moved_px < LINEAR_PX && result->blurred_px < LINEAR_BLUR;
     }
     if (edge_scene_moved(scene)) {
-        return result->moved_px < SETTLED_PX && result->blurred_px < SETTLED_PX;
+        const int swinging = passes >= SWINGING_PASSES && scene->clip >= 1;
+        const float most = swinging ? UNSETTLED_SHAPED : SETTLED_PX;
+        return result->moved_px < most && result->blurred_px < most;
     }
     return result->moved_px < SETTLED_PX && result->blurred_px < SHAPED;
 }
@@ -237,18 +242,19 @@ static int settle(edge_scene_t *scene, const scouting_t *scouting, float contras
 {
     int index[OPMS_BAR_SQUARES];
     fit->levels.weight[0] = fit->levels.weight[1] = 0;
-    for (int pass = 0; pass < PASSES_MOST; ++pass) {
+    for (int pass = 0, alike = 0; pass < PASSES_MOST; ++pass) {
         const int count =
             map_visible_squares(scene, scouting->from, scouting->to, OPMS_BAR_SQUARES, index);
         if (!map_pass(scene, index, count, contrast, 2.f, fit, result)) {
             return 0;
         }
-        if (has_settled(scene, result)) {
+        if (has_settled(scene, result, ++alike)) {
             /* Levels may be learnt from profiles whose shape is right. */
             if (!scene->shaped || scene->clip < 1 || fit->levels.weight[0] > 0) {
                 break;
             }
             map_learn_levels(fit, clearer_family(scene));
+            alike = 0;
         }
     }
     return 1;
