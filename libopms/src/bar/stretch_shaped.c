@@ -17,7 +17,7 @@
 #define NOISY_LEAST 5
 #define SATURATED_PART 0.02f /* of a stretch's pixels, from which on its white is cut */
 #define REACH STRETCH_REACH
-#define GROUND_LEAST 0.02 /* of its column, for the ground to be in a stretch */
+#define GROUND_LEAST 0.001 /* of its column, for the ground to be in a stretch */
 #define CUT_REACH 4.f        /* noises below the cut from where on it has none */
 
 enum { C_GROUND, C_W, C_G, C_SHAPE, C_GREY = C_SHAPE + SHAPES, COLUMNS };
