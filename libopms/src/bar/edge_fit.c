@@ -6,6 +6,7 @@
 
 #include "bar/bar_code.h"
 #include "bar/side_curve.h"
+#include "bar/side_way.h"
 #include "bar/stretch_fit.h"
 
 /* A side is looked at along lines of pixels that cross it: rows, or columns if the side runs more
@@ -39,30 +40,8 @@ typedef struct side_window {
 
 #define ANYWHERE_MM 1e6
 
-/** How a side moved in the bar's plane while the shutter was open, along X and Y: what the camera
- * rises, the picture grows about the point that it rises from. */
-typedef struct square_way {
-    double mm[2], by_rise[2];
-} square_way_t;
-
-static square_way_t way_of(const edge_scene_t *scene, int square, int side)
-{
-    square_way_t way = {{0, 0}, {0, 0}};
-    if (scene->shaped && edge_scene_moved(scene)) {
-        const double out = side < 2 ? -BAR_HALF_SQUARE_MM : BAR_HALF_SQUARE_MM;
-        const double middle = BAR_PITCH_MM * (square - OPMS_BAR_ORIGIN);
-        const double at[2] = {side & 1 ? 0 : out, middle + (side & 1 ? out : 0)};
-        const double height = plane_map_height(&scene->map);
-        for (int axis = 0; axis < 2; ++axis) {
-            way.by_rise[axis] = (at[axis] - (axis ? scene->way_at : 0)) / height;
-            way.mm[axis] = scene->way_mm[axis] + scene->way_mm[2] * way.by_rise[axis];
-        }
-    }
-    return way;
-}
-
 /** Standard deviation of the blur where the picture has a given scale. */
-static double blur_at(const edge_scene_t *scene, const square_way_t *of, int family,
+static double blur_at(const edge_scene_t *scene, const side_way_t *of, int family,
                       double px_per_mm)
 {
     const double still = scene->still_px, total = scene->blur_px[family];
@@ -110,7 +89,7 @@ static side_window_t window_of(const side_curve_t *curve, int side, double blur,
 
 /** Keep what a moving picture smears into its neighbour's pixels out of the window: the next
  * square, and, along the side, code cells or the border. */
-static void narrow_window(const edge_scene_t *scene, const square_way_t *way, int side,
+static void narrow_window(const edge_scene_t *scene, const side_way_t *way, int side,
                           const side_curve_t *curve, double along_px, side_window_t *window)
 {
     const int family = side & 1;
@@ -130,7 +109,7 @@ static void narrow_window(const edge_scene_t *scene, const square_way_t *way, in
 }
 
 /** What the model of cut white and of motion needs besides. */
-static void add_shape(const edge_scene_t *scene, const square_way_t *way, int side,
+static void add_shape(const edge_scene_t *scene, const side_way_t *way, int side,
                       const side_curve_t *curve, double along_px, side_model_t *model)
 {
     const int family = side & 1;
@@ -161,7 +140,8 @@ typedef struct side_look {
     const edge_scene_t *scene;
     const side_curve_t *curve;
     int side;
-    square_way_t way;
+    side_way_t way;
+    float sag;              /* side_way_sag() */
     float shift;            /* outward, where the edge is expected beyond the curve */
     side_window_t window;
     side_model_t model;
@@ -397,6 +377,7 @@ static int fit_shaped(side_look_t *look, int square, int part, int parts,
         !look->scene->kernel->fit_shaped(&look->model, &look->lines[0], out->stretch, out->shape)) {
         return 0;
     }
+    out->stretch->offset_px -= look->sag;
     place_stretch(look->curve, square, look->side, tau, out->stretch);
     return 1;
 }
@@ -433,7 +414,8 @@ int edge_fit_square(const edge_scene_t *scene, int square, const grey_levels_t *
         }
         look.curve = &curve[side];
         look.side = side;
-        look.way = way_of(scene, square, side);
+        look.way = side_way_of(scene, square, side);
+        look.sag = (float)side_way_sag(scene, &look.way, look.curve->normal);
         const int found = fit_side(&look, square, levels, &place);
         place.stretch += found;
         place.sums += found;
